@@ -284,9 +284,9 @@ def _limit(
 
 def _check(seconds: Any, progress: Any) -> None:
     if seconds is not None and (isinstance(seconds, bool) or not isinstance(seconds, Real)):
-        raise TypeError(f"seconds must be a positive number or None, not {seconds!r}")
+        raise TypeError(f"seconds must be a positive number, not {seconds!r}")
     if seconds is not None and not float(seconds) > 0:
-        raise ValueError(f"seconds must be a positive number or None, not {seconds!r}")
+        raise ValueError(f"seconds must be a positive number, not {seconds!r}")
     if progress is not None and not (callable(progress) and (_takes(progress, "") or _takes(progress, 0.0, ""))):
         right = "a function of one line of text, such as print, or of a fraction and a text"
         raise TypeError(f"progress must be {right}, not {progress!r}")

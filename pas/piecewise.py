@@ -9,9 +9,9 @@ from typing import Unpack
 
 import numpy as np
 
-from pas.algebra.inputs import check_limit, check_surface_degree, check_tolerance
+from pas.algebra.inputs import check_limit, check_surface_degree
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, VectorLike, positive, to_fraction
+from pas.algebra.rational import Exact, VectorLike, check_tolerance, positive, to_fraction
 from pas.arrays import Floats, Integers
 from pas.certify.certificate import Certificate
 from pas.certify.curvature import curvature_below
@@ -129,7 +129,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         *,
         max_triangles: int | None = None,
         quality: Quality | str = Quality.BALANCED,
@@ -164,7 +164,7 @@ class PiecewiseSurface(PiecewisePolynomial, Shape):
         return certify_mesh(self.framed, points, triangles, lambda: self.certificate)
 
     @limited("meshing a surface", "a coarser tolerance")
-    def triangulate(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> SurfaceMesh:
+    def triangulate(self, tolerance: Exact | None = None, **limits: Unpack[WorkLimits]) -> SurfaceMesh:
         """The former name of `mesh`, whose result was another."""
         return self.mesh(tolerance)
 
@@ -189,7 +189,7 @@ class SurfaceMesh(Mesh):
         known = mesh.points, mesh.triangles, mesh.faces, ("surface",), mesh.normals, None, mesh.deviation
         return cls(*known, smooth_normals=mesh.point_normals, surface=surface, tolerance=tolerance)
 
-    def follow(self, surface: PiecewiseSurface, tolerance: float | None = None) -> SurfaceMesh:
+    def follow(self, surface: PiecewiseSurface, tolerance: Exact | None = None) -> SurfaceMesh:
         """A mesh of a surface that is this one's, moved a little, with about the same triangles, for sliders.
 
         The vertices are put onto it, and triangles that are then too far from it are halved; where that would fold

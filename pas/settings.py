@@ -14,7 +14,8 @@ from dataclasses import Field, dataclass, field, fields
 from enum import Enum
 from typing import Any
 
-from pas.algebra.inputs import check_limit, check_tolerance, shown
+from pas.algebra.inputs import check_limit, shown
+from pas.algebra.rational import check_tolerance
 
 
 def option(default: Any, text: str, kind: type = bool, metavar: str = "", *, file: bool = True) -> Any:

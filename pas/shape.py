@@ -39,7 +39,7 @@ class Shape(ABC):
         """The verdicts about it, worked out when first asked for, and kept."""
 
     @abstractmethod
-    def mesh(self, tolerance: float | None = None, *, quality: Any = "balanced") -> Any:
+    def mesh(self, tolerance: Any = None, *, quality: Any = "balanced") -> Any:
         """Its `pas.Mesh`, within `tolerance` (the model's units) of the surface; None: as fine as is usual.
 
         The `quality` "angles" prefers triangles that are not long, "count" few (see `pas.mesh.quality`).
@@ -66,18 +66,12 @@ class Shape(ABC):
         return {}
 
     def _kept(self, wanted: tuple[Any, ...], make: Callable[[], S]) -> S:
-        """The mesh of what is wanted: the one made last, where that is it, so that two files hold one mesh.
-
-        Its points and triangles cannot be written to, so that nobody changes those of another.
-        """
-        if wanted in self._last_mesh:
-            return self._last_mesh[wanted]
-        made: Any = make()
-        for array in (made.points, made.triangles):
-            array.setflags(write=False)
-        self._last_mesh.clear()
-        self._last_mesh[wanted] = made
-        return made
+        """The mesh of what is wanted: the one made last, where that is it, so that two files hold one mesh."""
+        if wanted not in self._last_mesh:
+            made = make()
+            self._last_mesh.clear()
+            self._last_mesh[wanted] = made
+        return self._last_mesh[wanted]
 
     @abstractmethod
     def __str__(self) -> str:

@@ -196,9 +196,9 @@ MESHES = {
 
 
 @pytest.mark.parametrize("kind", MESHES)
-@pytest.mark.parametrize("tolerance", [1e-300, 1e-9, 0, -1, float("nan"), float("inf"), True, "0.1", 10**400])
+@pytest.mark.parametrize("tolerance", [1e-300, 1e-9, 0, -1, float("nan"), float("inf"), True, "thin", 10**400])
 def test_tolerances(kind, tolerance):
-    error = TypeError if isinstance(tolerance, bool | str) else ValueError
+    error = TypeError if isinstance(tolerance, bool) else ValueError
     with pytest.raises(error, match=r"^tolerance must be "):
         MESHES[kind](tolerance)
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import inspect
 import json
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
+from fractions import Fraction
 from functools import cache
 from html import escape
 
 import numpy as np
 import pytest
 from conftest import DATA, EQUAL, ROOT, solved
+from flint import fmpq
 
 import pas
 from pas import network, solid
@@ -274,6 +276,23 @@ def test_the_commands_take_it(name, tmp_path, capsys):
         assert (tmp_path / written).stat().st_size > 100
 
 
+@every_kind
+def test_a_tolerance_is_read_as_other_lengths_are(name):
+    shape = sample(name)
+    for given in ("1/20", Fraction(1, 20), fmpq(1, 20), np.float64(TOLERANCE)):
+        assert np.array_equal(shape.mesh(given).points, shape.mesh(TOLERANCE).points)
+    for wrong, error in {"1/0": ValueError, "thin": ValueError, 0: ValueError, b"1": TypeError}.items():
+        with pytest.raises(error, match="tolerance must be a positive number, not "):
+            shape.draw("a.png", tolerance=wrong) if name == "mesh" else shape.mesh(wrong)  # which is as it is
+
+
+@every_kind
+def test_arrays_of_meshes_cannot_be_written_to(name):
+    mesh = sample(name).mesh(TOLERANCE)
+    arrays = [a for a in (getattr(mesh, field.name) for field in fields(mesh)) if isinstance(a, np.ndarray)]
+    assert len(arrays) >= 4 and not any(array.flags.writeable for array in arrays)
+
+
 @pytest.mark.parametrize("verb", ["save", "draw", "show", "kind_of"])
 @pytest.mark.parametrize("thing", [None, "torus", 3, object()], ids=lambda t: type(t).__name__)
 def test_what_is_no_shape_is_refused(verb, thing, tmp_path):
@@ -296,8 +315,6 @@ def test_options_of_pictures_are_checked(tmp_path):
 
 
 def test_every_setting_of_a_picture_is_a_keyword():
-    from dataclasses import fields
-
     from pas.exchange.picture_options import PictureOptions
 
     assert set(PictureOptions.__annotations__) == {field.name for field in fields(pas.Picture)}

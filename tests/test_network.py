@@ -31,7 +31,7 @@ from pas.network import nodes, rings
 from pas.network.blocks import status
 from pas.network.classes import NodeKind, kinds_of, turn
 from pas.network.clearance import clearance
-from pas.network.covers import NodeCovers, _held, reach_of
+from pas.network.covers import NodeCovers, Separation, _held, reach_of
 from pas.network.near import nearest_points
 from pas.network.nodes import placed_ends
 from pas.network.overlaps import NodeSolid
@@ -201,9 +201,9 @@ def test_nodes_that_meet_are_not_proved_to_be_apart(gap, proved):
     """By a hair, far into one another, or nearly one in the place of the other; so by whichever comes first."""
     both = covers([*TEE, *moved(2 * tee()[1] + gap, sign=-1)], [(0, 1), (0, 2), (0, 3), (4, 5), (4, 6), (4, 7)])
     found = both.apart(np.array([0, 4]), both.nodes, np.array([1, 0]))
-    assert [apart is True for apart in found] == [proved] * 2
+    assert [apart.proved for apart in found] == [proved] * 2
     assert all(
-        both.node(n, a).holds(point) for point, a in zip(found, (0, 4), strict=True) for n in (0, 4) if not proved
+        both.node(n, a).holds(one.common) for one, a in zip(found, (0, 4), strict=True) for n in (0, 4) if not proved
     )
 
 
@@ -215,8 +215,8 @@ def test_a_strut_that_meets_a_node_is_not_proved_to_be_apart(gap, proved):
     others = [(x, 1, 0), (x, -1, 0), (x, 0, 0), (x + 2, 0, 0)]
     found = covers([*TEE, *others], [(0, 1), (0, 2), (0, 3), (4, 5), (6, 7)])
     apart = found.apart(np.array([0, 0]), found.struts, np.array([3, 4]))
-    assert [one is True for one in apart] == [proved] * 2
-    assert proved or all(solid.holds(apart[0]) for solid in (found.node(0, 0), found.strut(3, 0)))
+    assert [one.proved for one in apart] == [proved] * 2
+    assert proved or all(solid.holds(apart[0].common) for solid in (found.node(0, 0), found.strut(3, 0)))
 
 
 STAR = np.array([(0, 0, 0), (4, 0, 0), (-2, 3.5, 0), (-2, -3.5, 0)])
@@ -304,7 +304,7 @@ def test_what_is_proved_of_a_pair_is_so_of_those_that_are_placed_alike():
     found = covers([*chain.from_iterable(nodes), *rods], [*edges, (24, 25), (26, 27)])
     nodes = found.apart(np.array([0, 8, 16]), found.nodes, np.array([1, 3, 5]))
     struts = found.apart(np.array([0, 8]), found.struts, np.array([18, 19]))
-    assert [[apart is True for apart in some] for some in (nodes, struts)] == [[True, False, False], [True, False]]
+    assert [[apart.proved for apart in some] for some in (nodes, struts)] == [[True, False, False], [True, False]]
 
 
 def test_neighbours_are_apart_that_no_plane_across_their_strut_parts():
@@ -1014,7 +1014,8 @@ def cleared(net, reach=0.0, ends=0.0):
     table = np.zeros((len(kinds.kinds), 3))
     table[kinds.of[net.edges], kinds.slots] = ends
     found = NodeCovers(replace(kinds, arm_ends=table), {})
-    vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=lambda *pairs: [False] * len(pairs[-1]))
+    beside = lambda *pairs: [Separation(False)] * len(pairs[-1])  # noqa: E731
+    vars(found).update(reach=np.broadcast_to(reach, len(net.points)), apart=beside)
     return clearance(net, found)[0]
 
 

@@ -140,7 +140,26 @@ def test_a_name_with_a_plus_is_one_name():
     mesh = solid.ball((0, 0, 0), 1, "a + b").mesh(0.1)
     assert mesh.names == ("a + b",)
     stacked = solid.box((0, 0, 0), (2, 2, 1), "a + b") | solid.box((1, 1, 0), (3, 3, 1), "c")
-    assert "a + b z- + c z-" in stacked.mesh(0.1).names
+    mesh = stacked.mesh(0.1)
+    assert "a + b z- + c z-" in mesh.names and ("a + b z-", "c z-") in mesh.solid_faces
+
+
+def test_a_face_with_a_plus_in_its_name_is_filleted():
+    plate = solid.box((-2, -2, -1), (2, 2, 0), "plate")
+    boss = solid.cylinder((0, 0, -1), (0, 0, 1), "1/2", "boss + ring")
+    for made in ((plate | boss).fillet("boss + ring", "plate z+", "1/8"), solid.smooth_union(plate, boss, "1/8")):
+        assert made.proved and {"boss + ring", "fillet"} <= {*made.mesh().names}
+
+
+def test_faces_that_share_a_surface_are_apart_from_one_of_the_joined_name():
+    """One end of a bar is of two faces, `a` and `b`, the other one is the face `a + b`."""
+    bar = solid.box((0, 0, 0), (4, 2, 1)).renamed({"box x-": "a", "box x+": "a + b"})
+    mesh = (bar | solid.box((0, 0, 0), (3, 1, 1), "less").renamed({"less x-": "b"})).mesh(0.1)
+    assert {("a", "b"), ("a + b",)} <= {*mesh.solid_faces} and len(mesh.names) == len({*mesh.solid_faces})
+    assert mesh.face_areas["a + b"] == pytest.approx(4) and mesh.area == pytest.approx(sum(mesh.face_areas.values()))
+    moved = mesh.translate(9, 0, 0)
+    assert moved.solid_faces == mesh.solid_faces
+    assert (mesh | moved).solid_faces == tuple((name,) for name in dict.fromkeys(mesh.names))
 
 
 def test_of_faces_that_lie_on_one_another_both_are_named():

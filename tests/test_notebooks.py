@@ -56,7 +56,7 @@ def test_the_first_blend(tmp_path, monkeypatch):
     energies = re.search(r"^energy (\S+) and (\S+); proved: True$", text, re.MULTILINE)
     assert energies and [float(e) for e in energies.groups()] == pytest.approx([46.75, 47.11], rel=3e-3)
     volume = re.search(r"^volume (\S+)$", text, re.MULTILINE)
-    assert volume and float(volume[1]) == pytest.approx(1.516, abs=2e-3)  # of a mesh to 1e-2
+    assert volume and float(volume[1]) == pytest.approx(1.5135, abs=1e-3)  # of a mesh to 1e-2
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
     assert sum("text/latex" in output.get("data", {}) for output in outputs) == 1
     assert {p.name for p in tmp_path.iterdir()} == {

@@ -33,7 +33,7 @@ CALLS = [
         "two contacts or more, and here is one.*pas.SingleCell",
     ),
     (lambda: pas.write_solid("b.stl", solid.ball((0, 0, 0), 1)), TypeError, "is written to a path such as 'name.stl'"),
-    (lambda: pas.write_mesh("b.stl", None), TypeError, "a mesh is written to a path such as 'name.stl'"),
+    (lambda: pas.write_mesh("b.stl", None), TypeError, "a shape is written to a path such as 'name.stl', not to None"),
     (lambda: pas.save_solid("b.pas.json", solid.ball((0, 0, 0), 1)), TypeError, "is written to a path such as"),
     (lambda: blend().save("a\0b.pas.json"), ValueError, "has a null character in it"),
     (lambda: blend().save("a" * 300 + ".pas.json"), ValueError, "is too long"),
@@ -76,11 +76,11 @@ CALLS = [
     (lambda: blend().fairness.within({"bulge": 1}), TypeError, r"^limits must be pas.FairnessLimits\(...\), not {"),
     (lambda: blend().space.least_squares(5), TypeError, "^points must be a sequence of points, each three numbers"),
     (lambda: blend().draw("a.png", mesh=3), TypeError, "^mesh must be a pas.Mesh or map names of parts to such, not 3"),
-    (lambda: blend().draw("a.png", size=3), TypeError, "^size must be width and height in pixels, not 3"),
+    (lambda: blend().draw("a.png", size=3), TypeError, "^size must be width and height in pixels, .*, not 3"),
     (lambda: blend().draw("a.png", size=(0, 1)), ValueError, r"^size\[0\] must be a whole number from 1 to"),
     (lambda: blend().draw("a.png", view="topp"), ValueError, "^there is no view 'topp'; is 'top' meant"),
     (lambda: blend().draw("a.png", view=(0, 0, 0)), ValueError, "^view must not be the zero vector"),
-    (lambda: blend().draw("a.png", cut="x"), TypeError, "^cut must be True or False, not 'x'"),
+    (lambda: blend().draw("a.png", cut="x"), ValueError, "^there is no cut 'x'; there are front"),
 ]
 
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pas.algebra.expressions import Formula, Names, NotRationalError, read_formula
+from pas.algebra.expressions import Formula, Names, NotRationalError, as_text, read_formula
 from pas.algebra.jets import Jet, composed, variables
 from pas.algebra.rational_function import FunctionLike, RationalFunction
 from pas.arrays import Floats
@@ -88,6 +88,13 @@ def is_function(expression: Any) -> bool:
     """Whether an expression is a callable, and none that is exact."""
     exact = isinstance(expression, RationalFunction) or hasattr(expression, "free_symbols")
     return callable(expression) and not exact
+
+
+def texts_of(expressions: Any, names: Names) -> list[str] | None:
+    """Expressions in parameters of these names as strings; None where there are none, and where one is a callable."""
+    if expressions is None or callable(expressions) or any(map(is_function, expressions)):
+        return None
+    return [as_text(e) or str(RationalFunction(e, names)) for e in expressions]
 
 
 def _differentiable(function: Formula, name: str) -> Formula:

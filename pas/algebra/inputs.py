@@ -163,27 +163,6 @@ def check_limit(most: Any) -> int | None:
     return int(most)
 
 
-def check_tolerance(tolerance: Any, size: float | None = None) -> float:
-    """The tolerance of a mesh, in the model's units; `size` is that of the model, where it is known.
-
-    Raises `TypeError` for no number, `ValueError` for one that is not positive or below `FINEST` times the size.
-    """
-    if isinstance(tolerance, bool | str) or not hasattr(tolerance, "__float__"):
-        raise TypeError(f"tolerance must be a positive number, not {shown(tolerance)}")
-    try:
-        value = float(tolerance)
-    except OverflowError:
-        value = math.inf
-    if not 0 < value < math.inf:
-        raise ValueError(f"tolerance must be a positive number, not {value:g}")
-    if size is not None and value < FINEST * size:
-        raise ValueError(
-            f"tolerance must be at least {FINEST * size:.2g}, {FINEST:g} of the model's size, below which a mesh "
-            f"would be finer than its vertices are placed; it is {value:.3g}"
-        )
-    return value
-
-
 def points_of(points: ArrayLike, name: str = "points") -> Floats:
     """Points (..., 3) as an array.  Raises `ValueError` for what are none."""
     try:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias, TypeV
 
 from flint import fmpq, fmpz
 
-from pas.algebra.inputs import LONGEST_NUMBER, MOST_DIGITS, short, shown
+from pas.algebra.inputs import FINEST, LONGEST_NUMBER, MOST_DIGITS, short, shown
 
 if TYPE_CHECKING:
     from pas.arrays import AnyArray
@@ -101,6 +101,25 @@ def positive(value: Any, name: str) -> fmpq:
     if number <= 0:
         raise ValueError(f"{name} must be positive, not {short(plain(number))}")
     return number
+
+
+def check_tolerance(tolerance: Any, size: float | None = None, name: str = "tolerance") -> float:
+    """The tolerance of a mesh, or what `name` says, in the model's units; `size` is that of the model, where known.
+
+    Raises `TypeError` for no number, `ValueError` for one that is not positive or below `FINEST` times the size.
+    """
+    try:
+        value = to_float(rational(tolerance))
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name} must be a positive number, not {shown(tolerance)}") from None
+    if not 0 < value < math.inf:
+        raise ValueError(f"{name} must be a positive number, not {value:g}")
+    if size is not None and value < FINEST * size:
+        raise ValueError(
+            f"tolerance must be at least {FINEST * size:.2g}, {FINEST:g} of the model's size, below which a mesh "
+            f"would be finer than its vertices are placed; it is {value:.3g}"
+        )
+    return value
 
 
 def near(value: float) -> fmpq:

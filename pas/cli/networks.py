@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pas.algebra.inputs import whole
+from pas.algebra.rational import positive
 from pas.cli.commands import write_outputs
 from pas.cli.common import DONE, FAILED, Clock, CommandResult, settings_of, verdict_record, written_lines
 from pas.errors import library, meant
@@ -43,7 +44,7 @@ def _network(options: argparse.Namespace) -> Network:
         if len(cells) not in (1, 3) or not all(n.strip().isdecimal() for n in cells):
             raise ValueError(f"--cells must be one whole number or three, as 4 or 4,4,2, not {options.cells}")
         numbers = [int(n) for n in cells] * (3 // len(cells))
-        return lattice(options.source, numbers, options.radius or "1/20", options.cell_size)
+        return lattice(options.source, numbers, options.radius or "1/20", positive(options.cell_size, "--cell-size"))
     if options.cells:
         raise ValueError(f"--cells is for unit cells by name ({', '.join(UNIT_CELLS)}), not for {options.source}")
     return Network.read(options.source, options.radius, options.grid)

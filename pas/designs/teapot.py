@@ -73,7 +73,7 @@ class Teapot(AffineShape["Teapot"], Shape):
 
     @limited("meshing a teapot", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """The mesh of the closed solid; see `Solid.mesh`."""
         return self.solid.mesh(tolerance, quality=quality)

@@ -43,7 +43,8 @@ Also those of every problem: see `pas.exchange.problem`.  One table of boundarie
 kind it is:
 
 quadric, plane                            the section of a quadric by a plane (interval, branch)
-quadric, other                            branch number `branch` (0) of the intersection of two quadrics (interval)
+quadric, other                            branch number `branch` (0) of the intersection of two quadrics, on number
+                                          `number` (0) of the two (interval)
 implicit, curve                           a curve on an algebraic surface (interval, closed)
 x, y, z and one of t, h, path             a curve on a parametric surface (domain, interval, closed)
 curve and one of normal, tangent          a curve with vectors along it (interval, closed)
@@ -56,12 +57,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from pas.algebra.inputs import check_order, shown, whole
-from pas.algebra.rational import plain, rational
 from pas.algebra.rational_function import PARAMETERS
 from pas.exchange.problem import COMMON, COMMON_TABLES, Problem, ProblemKind, TableReader, common
 from pas.parametric.blends import METHODS, ParametricBlend, blend_by
@@ -101,7 +100,8 @@ class BoundaryKind:
 
 def _intersection(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
     branches = quadric_intersection(table["quadric"], table["other"])
-    return branches[whole(options.pop("branch", 0), "branch", 0, len(branches) - 1)].on(0, **options)
+    branch = branches[whole(options.pop("branch", 0), "branch", 0, len(branches) - 1)]
+    return branch.on(whole(options.pop("number", 0), "number", 0, 1), **options)
 
 
 def _parametric(table: Mapping[str, Any], options: dict[str, Any]) -> Boundary:
@@ -121,7 +121,7 @@ SECTION = BoundaryKind(
 CURVE = frozenset({"interval", "closed"})
 KINDS = (
     SECTION,
-    BoundaryKind(("quadric", "other"), (), frozenset({"interval", "branch"}), _intersection),
+    BoundaryKind(("quadric", "other"), (), frozenset({"interval", "branch", "number"}), _intersection),
     BoundaryKind(
         ("implicit", "curve"), (), CURVE,
         lambda table, options: Boundary.on_implicit(table["implicit"], table["curve"], **options),
@@ -136,7 +136,7 @@ KEYS = frozenset().union(*(kind.keys for kind in KINDS))
 
 
 def boundary_from(table: Mapping[str, Any], kinds: tuple[BoundaryKind, ...] = KINDS) -> Boundary:
-    """The boundary of a table, which it keeps as its `source`.
+    """The boundary of a table.
 
     Raises `ValueError` for a table of no kind or of wrong types, and what making the boundary raises.
     """
@@ -147,25 +147,11 @@ def boundary_from(table: Mapping[str, Any], kinds: tuple[BoundaryKind, ...] = KI
     if strange or sum(key in table for key in kind.either) > 1:
         more = strange or [key for key in kind.either if key in table][1:]
         raise ValueError(f"a boundary with {kind} has no {more[0]!r} besides")
-    source = {key: as_plain(value) for key, value in table.items()}
     for key, types in (("name", str), ("closed", bool), ("by_length", bool)):
-        if key in source and not isinstance(source[key], types):
-            raise ValueError(f"{key} must be {'a string' if types is str else 'true or false'}, not {source[key]!r}")
-    options = {key: source[key] for key in (*kind.may, "side", "name") if key in source}
-    evened = source.pop("by_length", False)
-    made = replace(kind.build(source, options), source=source)
-    return made.by_length() if evened else made  # which notes it in the source
-
-
-def as_plain(value: Any) -> Any:
-    """Numbers, lists and tables as JSON knows them: decimals become exact strings."""
-    if isinstance(value, dict):
-        return {str(key): as_plain(v) for key, v in value.items()}
-    if isinstance(value, list | tuple):
-        return [as_plain(v) for v in value]
-    if isinstance(value, Fraction):
-        return plain(rational(value))
-    return value
+        if key in table and not isinstance(table[key], types):
+            raise ValueError(f"{key} must be {'a string' if types is str else 'true or false'}, not {table[key]!r}")
+    made = kind.build(table, {key: table[key] for key in (*kind.may, "side", "name") if key in table})
+    return made.by_length() if table.get("by_length") else made
 
 
 GENERATRIX_METHODS = {"generatrix": KINDS, "quadrics": (SECTION,)}
@@ -318,7 +304,7 @@ def _shape(table: dict[str, Any]) -> GeneratrixShape:
     found: dict[str, Any] = {}
     for key, value in table.items():
         try:
-            found[key] = as_plain(value) if key == "middle" else _function(value)
+            found[key] = value if key == "middle" else _function(value)
             GeneratrixShape(**{key: found[key]})
         except (ValueError, TypeError) as error:
             raise ValueError(str(error) if str(error).startswith(key) else f"{key}: {error}") from None

@@ -11,8 +11,9 @@ from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Any, TypedDict
 
-from pas.algebra.inputs import check_flag, check_tolerance, shown, whole
-from pas.algebra.rational import to_float, vector
+from pas.algebra.brief import brief
+from pas.algebra.inputs import check_flag, shown, whole
+from pas.algebra.rational import check_tolerance, to_float, vector
 from pas.errors import meant
 from pas.registry import Registry
 from pas.settings import option
@@ -117,6 +118,7 @@ class Picture:
     )
     labels: bool = option(False, "the names of parts, or of the faces of a single one")
     dimensions: bool = option(False, "the sides of the box around it")
+    __repr__ = brief
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str):
@@ -141,7 +143,7 @@ class Picture:
         if self.colors is not None and self.name != "plain":
             raise ValueError(f"colors are those of the style plain; the style {self.name} has its own")
         if self.tolerance is not None:
-            check_tolerance(self.tolerance)
+            object.__setattr__(self, "tolerance", check_tolerance(self.tolerance))
 
     @property
     def name(self) -> str:

@@ -29,8 +29,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
-from pas.algebra.inputs import DEEPEST, check_tolerance, depth, shown
-from pas.algebra.rational import rational, read_number, to_float, to_fraction
+from pas.algebra.inputs import DEEPEST, depth, shown
+from pas.algebra.rational import check_tolerance, rational, read_number, to_float, to_fraction
 from pas.errors import LimitError, PasError, ProblemFileError, meant
 from pas.exchange.files import read_text, source
 from pas.exchange.picture_options import Picture

@@ -23,6 +23,7 @@ import numpy as np
 
 from pas.algebra.brief import brief
 from pas.algebra.inputs import natural
+from pas.algebra.rational import Exact, check_tolerance
 from pas.arrays import Floats, Integers
 from pas.elsewhere import elsewhere
 from pas.errors import GeometryError, library, optional
@@ -130,8 +131,8 @@ class VolumeMesh:
 def volume_mesh(
     shape: Solid | Mesh | Assembly,
     *,
-    edge_length: float | None = None,
-    tolerance: float | None = None,
+    edge_length: Exact | None = None,
+    tolerance: Exact | None = None,
     volume_tolerance: float = VOLUME_TOLERANCE,
     settings: VolumeSettings | None = None,
     **limits: Unpack[WorkLimits],
@@ -146,9 +147,8 @@ def volume_mesh(
     Raises `ValueError` for numbers that cannot be, `GeometryError` for a mesh that is open, not finite or inside out
     and for a result that fails a check, `MissingLibraryError` without pytetwild, and what `Solid.mesh` raises.
     """
-    for name, value in (("edge_length", edge_length), ("tolerance", tolerance)):
-        if value is not None and not 0 < value < np.inf:
-            raise ValueError(f"{name} must be a positive number, not {value}")
+    length = None if edge_length is None else check_tolerance(edge_length, name="edge_length")
+    within = None if tolerance is None else check_tolerance(tolerance)
     if not 0 < volume_tolerance < 1:
         raise ValueError(f"volume_tolerance must be between 0 and 1, not {volume_tolerance}")
     library(
@@ -156,10 +156,10 @@ def volume_mesh(
         "tetrahedra need pytetwild: pip install pytetwild (on a Mac there are ready packages for macOS 15 on Apple "
         "silicon; elsewhere it is built, with a compiler and CMake)",
     )
-    parts = parts_of(shape, Request("solid", MeshSettings(tolerance)))
+    parts = parts_of(shape, Request("solid", MeshSettings(within)))
     for part in parts:
-        _require_fillable(part, edge_length)
-    filled = [_filled(p, edge_length, tolerance, volume_tolerance, settings or VolumeSettings()) for p in parts]
+        _require_fillable(part, length)
+    filled = [_filled(p, length, within, volume_tolerance, settings or VolumeSettings()) for p in parts]
     return _together(parts, filled)
 
 

@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, Unpack
 
 from pas.algebra.inputs import check_flag
+from pas.algebra.rational import Exact
 from pas.exchange.files import replacing, target
 from pas.exchange.formats import FORMATS, Request, suffixes_of
 from pas.exchange.parts import require_closed
@@ -49,7 +50,7 @@ def write(
     thing: Writable,
     path: str | Path,
     *,
-    tolerance: float | None = None,
+    tolerance: Exact | None = None,
     domain: DomainLike = None,
     unit: str | None = None,
     sew: float | None = None,
@@ -71,7 +72,7 @@ def write(
     and a surface with edges where a body is meant, `TypeError` for what no such file holds, `MissingLibraryError` where
     a package for the format is absent, and what meshing raises.
     """
-    mesh = MeshSettings(tolerance, domain=domain)
+    mesh = MeshSettings(tolerance, domain=domain)  # type: ignore[arg-type]  # which reads it
     write_as(thing, path, mesh, unit=unit, sew=sew, open=check_flag(open, "open"))
     return Path(path)
 

@@ -1,7 +1,7 @@
 """Blends by a generatrix, and such through a sphere, as kinds of shapes: their boundaries and shape functions.
 
-Boundaries are kept as the tables from which they were read (`pas.exchange.parametric_problem`) and how they were
-turned, so that reading searches nothing; shape functions as their exact coefficients.
+Boundaries are kept as the tables that make them (`pas.exchange.parametric_problem`) and how they were turned, so that
+reading searches nothing; shape functions as their exact coefficients.
 
 Guaranteed: what is read is the same blend.  Not possible: boundaries and middle curves that are callables.
 """
@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
+from pas.algebra.callables import texts_of
 from pas.exchange.parametric_problem import boundary_from
 from pas.exchange.schema import (
     ANYTHING,
@@ -31,6 +32,7 @@ from pas.mesh.mesh import Mesh
 from pas.parametric.generatrix.align import Alignment, alignment
 from pas.parametric.generatrix.blend import GeneratrixBlend
 from pas.parametric.generatrix.boundary import Boundary
+from pas.parametric.generatrix.paths import NAMES
 from pas.parametric.generatrix.shape import MANY, GeneratrixShape, ShapeFunction
 from pas.parametric.generatrix.sphere import SphereBlend, blend_through_sphere
 from pas.parametric.nets import extent
@@ -42,13 +44,14 @@ VALUES = ("l1", "l2", "lambda1", "lambda2")
 
 
 def _boundary_entries(boundary: Boundary) -> dict[str, Any]:
-    """The table that a boundary was made from, and how it was turned; raises `ValueError` for one of callables."""
+    """The table that makes a boundary, and how it was turned; raises `ValueError` for one of callables or samples."""
     if boundary.source is None:
         raise ValueError(
-            f"{boundary.name} was not made of plain data and cannot be saved; make it by pas.boundary_from or a "
-            "problem file"
+            f"{boundary.name} was not made of plain data and cannot be saved; give its curve, vectors and surface as "
+            "expressions, with t and h for the parameters of a surface that is not exact"
         )
-    return {"table": dict(boundary.source), "phase": boundary.phase, "backwards": boundary.backwards}
+    table = {**boundary.source, **({"side": boundary.side} if boundary.side else {})}
+    return {"table": table, "phase": boundary.phase, "backwards": boundary.backwards}
 
 
 def _coefficients(coefficients: list[Any]) -> ShapeFunction:
@@ -60,12 +63,10 @@ def _coefficients(coefficients: list[Any]) -> ShapeFunction:
 
 def _shape_entries(shape: GeneratrixShape) -> dict[str, Any]:
     """The shape functions by name, and the middle curve; raises `ValueError` for one that is callable."""
-    middle = shape.middle
-    if middle is not None and not (
-        isinstance(middle, list | tuple) and all(isinstance(part, str | int) for part in middle)
-    ):
-        raise ValueError("a middle curve that is no list of three expressions in s, as strings, cannot be saved")
-    return {name: getattr(shape, name) for name in (*VALUES, "middle")}
+    middle = texts_of(shape.middle, NAMES)
+    if middle is None and shape.middle is not None:
+        raise ValueError("a middle curve that is no list of three expressions in s cannot be saved")
+    return {name: getattr(shape, name) for name in VALUES} | {"middle": middle}
 
 
 _FUNCTION = choice(

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pas.algebra.inputs import check_tolerance
 from pas.algebra.lengths import unit
-from pas.algebra.rational import to_floats
+from pas.algebra.rational import Exact, check_tolerance, to_floats
 from pas.arrays import Floats
 from pas.mesh.mesh import Mesh
 from pas.mesh.rows import inside_sphere, quarters
@@ -17,7 +16,7 @@ USUAL, FEWEST, MOST = 1e-3, 2, 7
 """Tolerance, over the sphere's radius, where none is asked for; how many times its triangles are split in four."""
 
 
-def sphere_mesh(layout: Layout, tolerance: float | None = None) -> Mesh:
+def sphere_mesh(layout: Layout, tolerance: Exact | None = None) -> Mesh:
     """The closed mesh of a layout; its triangles are as near to the sphere as that, measured, or split `MOST` times."""
     wanted = USUAL if tolerance is None else check_tolerance(tolerance)
     corners = unit(np.array(layout.rays, dtype=float))[[t for piece in layout.triangles for t in piece]]

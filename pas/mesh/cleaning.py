@@ -15,7 +15,7 @@ import numpy as np
 from pas.arrays import Floats
 from pas.limits import checkpoint
 from pas.mesh.face_ground import FaceGround
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, column_of, label_of
 from pas.mesh.grading import KEPT, Grading, Settings
 from pas.mesh.halfedges import HalfEdges, VertexKind
 from pas.mesh.labelled import Labelled
@@ -120,7 +120,7 @@ def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
     It may be far away in the lattice's scale, which does not show the tip of a slender cone.
     """
     points, pinned = mesh.points.copy(), [*mesh.topology.pinned]
-    every = 2 * np.arange(len(field.signs(points[:1])))  # the labels of all functions
+    every = label_of(np.arange(len(field.signs(points[:1]))))  # the labels of all functions
     for special in field.special_points:
         here = special[None]
         values = field.jets(np.repeat(here, len(every), axis=0), every)[:, 0]
@@ -128,7 +128,7 @@ def _with_special_points(mesh: Labelled, field: FaceField) -> Labelled:
         signs = np.repeat(field.signs(here), 2 ** len(zero), axis=1)
         signs[zero] = np.array(list(product((False, True), repeat=len(zero)))).T
         inside = field.inside(signs)
-        chosen = np.isin(mesh.topology.vertex_labels // 2, zero).any(axis=1)
+        chosen = np.isin(column_of(mesh.topology.vertex_labels), zero).any(axis=1)
         if inside.any() and not inside.all() and chosen.any():
             nearest = int(np.where(chosen, norms(points - special), np.inf).argmin())
             points[nearest] = special

@@ -18,7 +18,7 @@ import numpy as np
 
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, extent_of, place_of
+from pas.mesh.field import FaceField, column_of, extent_of, label_of, place_of
 from pas.mesh.projection import distances, least_solutions, newton, second_derivatives
 from pas.mesh.rows import cross, dots, norms
 from pas.mesh.shading import unit_rows
@@ -176,14 +176,14 @@ class _Place:
 
     def _joined(self, a: int, b: int) -> bool:
         """Whether two surfaces touch along a known seam."""
-        pair = 2 * min(a, b), 2 * max(a, b)
+        pair = label_of(min(a, b)), label_of(max(a, b))
         return a != b and self.field.functions(pair) != pair
 
     def _on_seam(self, point: Floats, columns: Sequence[int]) -> bool:
         """Whether two of some surfaces touch along a known seam that the others pass through as well."""
-        labels = tuple(2 * c for c in sorted(columns))
+        labels = tuple(map(label_of, sorted(columns)))
         placing = self.field.functions(labels)
-        normals = np.array([self._normal(point, label // 2) for label in placing])
+        normals = np.array([self._normal(point, column_of(label)) for label in placing])
         return placing != labels and bool((np.linalg.svd(normals, compute_uv=False)[2:] < PARALLEL).all())
 
     def _vanishing(self, points: Floats) -> Bools:
@@ -277,7 +277,7 @@ class _Place:
     def _common(self, groups: Sequence[Sequence[int]]) -> list[Floats | None]:
         """A common zero of the functions of each group, all of one length; None where there is none nearby."""
         starts, reach = np.tile(self.place, (len(groups), 1)), np.full(len(groups), NEAR * self.spacing)
-        points = newton(starts, self.field, 2 * np.array(groups, dtype=np.intp), reach, STEPS)
+        points = newton(starts, self.field, label_of(np.array(groups, dtype=np.intp)), reach, STEPS)
         near = norms(points - self.place) <= FARTHEST * self.extent  # not where it is no number
         return [
             point if close and self._distances(point, group).max() <= ZERO * self.extent else None
@@ -286,11 +286,11 @@ class _Place:
 
     def _jets(self, points: Floats, columns: Integers) -> Floats:
         """Values and gradients (N, 4) of functions (N,) at points (N, 3)."""
-        return self.field.jets(points, 2 * columns)
+        return self.field.jets(points, label_of(columns))
 
     def _distances(self, points: Floats, columns: Sequence[int] | Integers) -> Floats:
         """First-order distances (N,) of points (N, 3), or of one, from the surfaces of functions (N,)."""
-        labels = 2 * np.asarray(columns, dtype=np.intp)
+        labels = label_of(np.asarray(columns, dtype=np.intp))
         return distances(self.field, np.broadcast_to(points, (len(labels), 3)), labels)
 
     def _normal(self, point: Floats, column: int) -> Floats:
@@ -303,7 +303,7 @@ class _Place:
 
     def _slopes(self, points: Floats, columns: Integers) -> Floats:
         """Second derivatives (N, 3, 3) of functions (N,) at points (N, 3)."""
-        return np.asarray(second_derivatives(self.field, points, 2 * columns))
+        return np.asarray(second_derivatives(self.field, points, label_of(columns)))
 
     @cached_property
     def _radii(self) -> dict[int, float]:
@@ -316,11 +316,11 @@ class _Place:
 
     def _names(self, columns: Sequence[int]) -> str:
         """The faces in words; walls, which nobody may have named, where there are no two faces."""
-        walls = [c for c, wall in zip(columns, self.field.walls(2 * np.array(columns)), strict=True) if wall]
-        times = Counter(self.field.face(2 * c) for c in columns if c not in walls)
+        walls = [c for c, wall in zip(columns, self.field.walls(label_of(np.array(columns))), strict=True) if wall]
+        times = Counter(self.field.face(label_of(c)) for c in columns if c not in walls)
         words = [f"{name!r}" if n == 1 else f"{name!r} ({n} times)" for name, n in times.items()]
         if times.total() < 2:
-            words += [f"the wall {self.field.face(2 * c)}" for c in walls]
+            words += [f"the wall {self.field.face(label_of(c))}" for c in walls]
         listed = " and ".join(filter(None, (", ".join(words[:-1]), words[-1])))
         return listed if not times else f"the face{'s' if times.total() > 1 else ''} {listed}"
 

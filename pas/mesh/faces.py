@@ -17,7 +17,7 @@ from pas.algebra.bracket import sign_change
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
 from pas.mesh.contour import crossings, knotted, oriented, snapped
-from pas.mesh.field import FaceField
+from pas.mesh.field import FaceField, label_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import Nodes, contracted, find_nodes
 from pas.mesh.octree import NOWHERE
@@ -136,8 +136,8 @@ def side_changes(
     result, label = np.full(len(edges), 0.5), np.full(len(edges), -1)
     alone = np.bincount(rows, minlength=len(edges))[rows] == 1
     rows, columns = rows[alone], columns[alone]
-    result[rows] = _roots(field, 2 * columns, points[a[rows]], points[b[rows]])
-    label[rows] = 2 * columns + (start[columns, rows] != inside[a[rows]])
+    result[rows] = _roots(field, label_of(columns), points[a[rows]], points[b[rows]])
+    label[rows] = label_of(columns, start[columns, rows] != inside[a[rows]])
     _check_crossings(field, points[a], points[b], inside[a], result, label)
     return np.clip(result, 1e-6, 1 - 1e-6), label
 
@@ -169,7 +169,7 @@ def _check_crossings(field: FaceField, a: Floats, b: Floats, start: Bools, t: Fl
         alone[column] = first[column]
         decides = changes[column] & (found < 0) & (field.inside(alone) == start[rows])
         inner_sign = np.where(start[rows], first[column], last[column])
-        found = np.where(decides, 2 * column + ~inner_sign, found)
+        found = np.where(decides, label_of(np.array(column), ~inner_sign), found)
     t[rows], label[rows] = (low + high) / 2, found
 
 

@@ -4,15 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 
 from pas.algebra.inputs import shown_point
 from pas.arrays import Bools, Floats, Integers
 
+Number = TypeVar("Number", int, Integers)
+
 VISIBLE = 1e-7
 """Coordinates below this share of the largest ones of a box are shown as 0."""
+
+
+def label_of(columns: Number, above: bool | Bools | Integers = False) -> Number:
+    """The labels of functions by number, the inside where these are negative, or positive where `above`.
+
+    Those of the first n functions are the numbers below `label_of(n)`.
+    """
+    return 2 * columns + above  # type: ignore[return-value]  # of one function it is one side
+
+
+def column_of(labels: Number) -> Number:
+    """The numbers of labels' functions."""
+    return labels // 2
+
+
+def is_above(labels: int | Integers) -> Bools:
+    """Whether the inside is where the labels' functions are positive."""
+    return np.asarray(labels % 2 == 1)
+
+
+def orientation(labels: int | Integers) -> Floats:
+    """The factors, 1 or -1, by which the labels' functions are negative inside."""
+    return np.asarray(1.0 - 2.0 * (labels % 2))
+
+
+def opposite(labels: Number) -> Number:
+    """The labels of the same functions with the other side inside."""
+    return labels ^ 1
 
 
 class HasJets(Protocol):
@@ -77,11 +107,8 @@ class FaceField(HasJets, Protocol):
     def face(self, label: int) -> str:
         """The name of a label's face."""
 
-    def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
-        """The name of a label's face as far as it is in boxes of given centres and half edges (N, 3).
-
-        Of the names of several faces on one surface, those that may be there.
-        """
+    def faces_within(self, label: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+        """The names of the faces on a label's surface that may be in boxes of given centres and half edges (N, 3)."""
 
     def signs(self, points: Floats) -> Bools:
         """For each function (M, N), whether it is <= 0 at points (N, 3)."""
@@ -126,8 +153,8 @@ def place_of(field: FaceField, point: Floats) -> str:
 
 def bounds_set(field: FaceField, points: Floats, labels: Integers) -> Bools:
     """At which points (N, 3) on faces of labels (N,) the set begins: with the face's function alone it changes."""
-    signs, every = field.signs(points), np.arange(len(points))
-    signs[labels // 2, every] = labels % 2 == 0
+    signs, at, above = field.signs(points), (column_of(labels), np.arange(len(points))), is_above(labels)
+    signs[at] = ~above
     inside = field.inside(signs)
-    signs[labels // 2, every] = labels % 2 == 1
+    signs[at] = above
     return np.asarray(inside & ~field.inside(signs))

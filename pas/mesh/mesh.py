@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, reduce
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
+from pas.algebra.inputs import set_fields
+from pas.algebra.rational import Exact
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, optional
 from pas.mesh.booleans import BooleanStep, Triangles, boolean
@@ -28,6 +30,11 @@ if TYPE_CHECKING:
     import trimesh
 
 
+def called(names: Iterable[str]) -> str:
+    """The name of a mesh's face on which faces of some different names lie: "a", or "a + b"."""
+    return " + ".join(names)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(AffineShape["Mesh"], Shape):
     """A triangle mesh whose triangles lie on named faces.
@@ -38,6 +45,8 @@ class Mesh(AffineShape["Mesh"], Shape):
     `parameters` (N, 2) are those of the points of a parametric surface (one pair for those on seams and poles).
     `deviation`, where known, is the largest distance of the triangles from the surface in the model's units:
     a bound where `proved`, else measured.  `smooth_normals` (N, 3), where no edge is sharp, are those of the points.
+    `solid_faces` are, for each name, the names of the solid's faces that lie there on one another; without them, as in
+    meshes of files, and once the names are others, each name is that of one face.
     """
 
     points: Floats
@@ -49,12 +58,23 @@ class Mesh(AffineShape["Mesh"], Shape):
     deviation: float | None = None
     proved: bool = False
     smooth_normals: Floats | None = field(default=None, kw_only=True)
+    solid_faces: tuple[tuple[str, ...], ...] = field(default=(), kw_only=True)
     kind = "mesh"
+
+    def __post_init__(self) -> None:
+        """Its arrays cannot be written to, so that nobody changes those of another: these may be one and the same."""
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                set_fields(self, **{name: value.view()})
+                vars(self)[name].setflags(write=False)
+        if tuple(map(called, self.solid_faces)) != self.names:
+            set_fields(self, solid_faces=tuple((name,) for name in self.names))
 
     def __deepcopy__(self, memo: object) -> Self:
         """A mesh with arrays of its own, which can be written to."""
-        own: dict[str, Any] = deepcopy(self.__getstate__())
-        return replace(self, **own)
+        own = object.__new__(type(self))
+        vars(own).update(deepcopy(self.__getstate__()))
+        return own
 
     @cached_property
     def certificate(self) -> Findings:
@@ -118,7 +138,7 @@ class Mesh(AffineShape["Mesh"], Shape):
             proved=all(m.proved for _, m in items),
         )
 
-    def mesh(self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED) -> Mesh:
+    def mesh(self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED) -> Mesh:
         """The mesh itself, so that what takes a shape takes its mesh too; it cannot be made finer or better."""
         Quality.of(quality)
         return self
@@ -187,7 +207,8 @@ class Mesh(AffineShape["Mesh"], Shape):
         normals = _moved_normals(map_, self.normals)[:, order]
         known = self.faces, self.names, normals, self.parameters, deviation, self.proved
         smooth = None if self.smooth_normals is None else _moved_normals(map_, self.smooth_normals)
-        return Mesh(map_.points(self.points), self.triangles[:, order], *known, smooth_normals=smooth)
+        moved = map_.points(self.points), self.triangles[:, order], *known
+        return Mesh(*moved, smooth_normals=smooth, solid_faces=self.solid_faces)
 
     def _patterned(self, maps: Sequence[Affine]) -> Mesh:
         copies = [self, *(self._moved(map_) for map_ in maps)]
@@ -218,9 +239,11 @@ class Mesh(AffineShape["Mesh"], Shape):
 
     @property
     def face_areas(self) -> dict[str, float]:
-        """The area of the triangles on each face."""
-        sums = np.bincount(self.faces, self.areas, minlength=len(self.names))
-        return dict(zip(self.names, sums.tolist(), strict=True))
+        """The area of the triangles on each face; of faces of one name together."""
+        sums = dict.fromkeys(self.names, 0.0)
+        for name, area in zip(self.names, np.bincount(self.faces, self.areas, len(self.names)).tolist(), strict=True):
+            sums[name] += area
+        return sums
 
     @property
     def smallest_angles(self) -> Floats:

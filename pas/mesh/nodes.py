@@ -22,7 +22,7 @@ from scipy.spatial import ConvexHull, cKDTree
 from pas.algebra.lengths import spiral
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.field import FaceField, extent_of, place_of
+from pas.mesh.field import FaceField, column_of, extent_of, label_of, place_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import distances, least_norm, least_solutions, newton, second_derivatives
 from pas.mesh.refusals import RefusalError
@@ -87,7 +87,7 @@ def find_nodes(
     corners = points[triangles[all_places]]
     centers = corners.mean(axis=1)
     size = 2 * np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1, initial=0.0)
-    columns = 2 * (labels // 2)
+    columns = label_of(column_of(labels))
     starts, functions = _systems(field, cKDTree(points), centers[: len(places)], size[: len(places)], columns)
     pairs = [np.unique(columns[row])[:2] for row in triangles[flat]]
     starts = np.concatenate([starts, len(places) + np.arange(len(flat))])
@@ -132,7 +132,7 @@ def flat_nodes(field: FaceField, mesh: Labelled) -> Nodes:
     """The nodes near edges of a labelled mesh in which two faces meet flatly: where these touch."""
     edges, labels = mesh.topology.edge_table
     rows = np.flatnonzero(labels[:, 0] != labels[:, 1])
-    ends, pairs = mesh.points[edges[rows]], 2 * (labels[rows] // 2)
+    ends, pairs = mesh.points[edges[rows]], label_of(column_of(labels[rows]))
     middles, size = ends.mean(axis=1), norms(ends[:, 1] - ends[:, 0])
     flat = norms(cross(*(unit_rows(field.jets(middles, column)[:, 1:]) for column in pairs.T))) < FLAT
     found = _touching(field, middles[flat], pairs[flat], size[flat])

@@ -11,7 +11,7 @@ import numpy as np
 from pas.errors import MeshError
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.mesh import Mesh
+from pas.mesh.mesh import Mesh, called
 from pas.mesh.projection import pair_normals
 
 Made = TypeVar("Made")
@@ -25,7 +25,7 @@ class FaceMesh:
     deviation: float
 
     def named(self, field: FaceField) -> Mesh:
-        """The mesh in the user's coordinates, with the names of the field's faces; equal names are one face.
+        """The mesh in the user's coordinates, on the field's faces; those of equal names are one.
 
         Each connected piece of a label is named by itself, so that faces that are apart keep their names.
         """
@@ -35,20 +35,19 @@ class FaceMesh:
         centers, halves = (low + high) / 2, (high - low) / 2
         pieces = mesh.topology.pieces
         labels = [int(mesh.labels[rows[0]]) for rows in pieces]
-        titles = [
-            field.face_within(label, centers[rows], halves[rows]) for label, rows in zip(labels, pieces, strict=True)
-        ]
-        names = tuple(dict.fromkeys(title for _, title in sorted(zip(labels, titles, strict=True))))
+        owners = [field.faces_within(k, centers[rows], halves[rows]) for k, rows in zip(labels, pieces, strict=True)]
+        faces = tuple(dict.fromkeys(names for _, names in sorted(zip(labels, owners, strict=True))))
         numbers = np.empty(len(mesh.triangles), dtype=np.intp)
-        for rows, title in zip(pieces, titles, strict=True):
-            numbers[rows] = names.index(title)
+        for rows, names in zip(pieces, owners, strict=True):
+            numbers[rows] = faces.index(names)
         return Mesh(
             field.world(mesh.points),
             mesh.triangles,
             numbers,
-            names,
+            tuple(map(called, faces)),
             pair_normals(mesh, field)[mesh.topology.corner_pairs],
             deviation=self.deviation * field.scale,
+            solid_faces=faces,
         )
 
 

@@ -18,10 +18,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import to_floats
+from pas.algebra.rational import Vector, to_floats
 from pas.arrays import Floats
 from pas.network.classes import grouped
-from pas.network.covers import Found, NodeCovers
+from pas.network.covers import NodeCovers
 from pas.network.graph import NetworkProblem, StrutGraph, problems_text
 from pas.network.near import Capsules, near, nearest_points
 from pas.network.overlaps import common_point
@@ -37,8 +37,8 @@ WORDS = {
 }
 """The words for each kind of doubt: its subject, and what of it is not decided."""
 
-Doubt = tuple[tuple[int, ...], float, int, Found]
-"""Numbers of nodes, struts or both, how far apart they are, that of a point, and what is found about it."""
+Doubt = tuple[tuple[int, ...], float, int, Vector | None]
+"""Numbers of nodes, struts or both, how far apart they are, that of a point, and if any one inside of both about it."""
 
 
 def clearance(network: StrutGraph, covers: NodeCovers) -> tuple[Verdict, tuple[NetworkProblem, ...]]:
@@ -67,7 +67,7 @@ def _doubts(network: StrutGraph, covers: NodeCovers) -> Iterator[tuple[Status, F
         names, doubtful = WORDS[kind]
         for ids, distance, about, common in doubts:
             status, place, said = Status.UNDECIDED, network.points[about], doubtful
-            if not isinstance(common, bool):
+            if common is not None:
                 status, place = Status.REFUTED, place + float(network.grid) * np.array(to_floats(common))
                 said = f"overlap at {shown_point(place)}; make struts there thinner, or move their points apart"
             yield status, place, NetworkProblem(kind, ids, f"{names.format(*ids[:2], f'{distance:.4g}')} {said}")
@@ -87,7 +87,7 @@ def _crossing_struts(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]
         pulled = near_ + inwards * (radii[::-1, None] - np.linalg.norm(one - other)) / 2
         points = np.stack([one + (other - one) * radii[0] / radii.sum(), *pulled]) - network.points[about]
         solids = covers.strut(i, about), covers.strut(j, about)
-        yield (i, j), distance, about, common_point(points / step, *solids) or False
+        yield (i, j), distance, about, common_point(points / step, *solids)
 
 
 def _beside_nodes(network: StrutGraph, covers: NodeCovers, others: Capsules) -> Iterator[Doubt]:
@@ -98,7 +98,7 @@ def _beside_nodes(network: StrutGraph, covers: NodeCovers, others: Capsules) -> 
         pairs = zip(
             nodes.tolist(), numbers.tolist(), distance.tolist(), covers.apart(nodes, others, other), strict=True
         )
-        yield from (((i, j), far, i, found) for i, j, far, found in pairs if found is not True)
+        yield from (((i, j), far, i, found.common) for i, j, far, found in pairs if not found.proved)
 
 
 def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
@@ -118,4 +118,4 @@ def _enclosed(network: StrutGraph, covers: NodeCovers) -> Iterator[Doubt]:
             if side:
                 break
         if side <= 0:
-            yield tuple(np.flatnonzero(of == number).tolist()), 0.0, about, middle if side else False
+            yield tuple(np.flatnonzero(of == number).tolist()), 0.0, about, middle if side else None

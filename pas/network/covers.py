@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,8 +39,11 @@ LIMITS = Limits(depth=36, cells=8192)
 """To parts of 2^-12 of a cell's size; surfaces that cross leave more and more open."""
 
 
-Found = Vector | bool
-"""True where things are proved to be apart, a point inside of both, about the first one's in steps, or False."""
+class Separation(NamedTuple):
+    """Whether two solids are proved to be apart, or a point inside of both, about the first one's in steps, if any."""
+
+    proved: bool
+    common: Vector | None = None
 
 
 class NodeCovers:
@@ -51,7 +54,7 @@ class NodeCovers:
 
     def __init__(self, kinds: Kinds, blends: Mapping[Any, Blend]) -> None:
         self.network, self.kinds, self.blends = kinds.network, kinds, blends
-        self._known: dict[tuple[int, ...], Found] = {}
+        self._known: dict[tuple[int, ...], Separation] = {}
 
     @cached_property
     def _first(self) -> dict[Any, Simplices]:
@@ -113,7 +116,7 @@ class NodeCovers:
         radii = tuple(rational(network.radii[size] / network.grid) for size in network.sizes[number])
         return StrutSolid(vector(start.tolist()), vector(network.vectors[number].tolist()), (here, 1 - there), radii)
 
-    def apart(self, nodes: Integers, others: Capsules, rows: Integers) -> list[Found]:
+    def apart(self, nodes: Integers, others: Capsules, rows: Integers) -> list[Separation]:
         """For pairs of nodes and others, or straight parts of struts (M,): whether they are proved not to meet.
 
         It is decided once for all pairs of the same kinds with the same relative position.
@@ -128,7 +131,7 @@ class NodeCovers:
                 self._known[row] = self._found(int(nodes[i]), int(numbers[i]), straight)
         return [self._known[alike[n]] for n in of.tolist()]
 
-    def _found(self, node: int, other: int, straight: bool) -> Found:
+    def _found(self, node: int, other: int, straight: bool) -> Separation:
         cells, points = self.held(node), self.network.points
         solid: Any = self.node(node, node)
         if straight:
@@ -142,9 +145,9 @@ class NodeCovers:
             beside, solids = replace(there, corners=there.corners + way), [solid, self.node(other, node)]
         found = parted(cells, beside, distance, self.network.slack, LIMITS, np.stack([way, *np.eye(3)]))[0]
         if found.status is Status.PROVED:
-            return True
+            return Separation(True)
         middles = found.open.corners.mean(axis=1) / float(self.network.grid)
-        return common_point(middles, *solids) or False
+        return Separation(False, common_point(middles, *solids))
 
 
 def _held(cells: Simplices, far: float) -> Simplices:

@@ -12,8 +12,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from pas.algebra.affine import ORIGIN
-from pas.algebra.inputs import check_tolerance
-from pas.algebra.rational import cross, dot, rational, vector
+from pas.algebra.rational import Exact, check_tolerance, cross, dot, rational, vector
 from pas.arrays import Floats
 from pas.errors import MeshError
 from pas.limits import WorkLimits, limited
@@ -192,7 +191,7 @@ class NetworkPart(Shape):
     def _made(self) -> dict[float, PlacedPieces]:
         return {}
 
-    def pieces(self, tolerance: float | None = None) -> PlacedPieces:
+    def pieces(self, tolerance: Exact | None = None) -> PlacedPieces:
         """The meshes of the kinds of nodes and struts, and their places, of which `mesh` and files consist; kept."""
         usual = USUAL * float(min(self.network.radii))
         if self.wall is not None:
@@ -206,7 +205,7 @@ class NetworkPart(Shape):
 
     @limited("meshing a network", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> NetworkMesh:
         """Triangles within `tolerance` (the model's units; by default 3 % of the least radius, or a fourth of the wall
         where that is less), watertight.
@@ -264,7 +263,7 @@ class NetworkPart(Shape):
         return [(mesh, self.network.points[nodes]) for mesh, (*_, nodes) in zip(meshes, found, strict=True)]
 
     def write_blocks(
-        self, folder: str | Path, tolerance: float | None = None, *, struts: int = 20_000, map: Callable[..., Any] = map
+        self, folder: str | Path, tolerance: Exact | None = None, *, struts: int = 20_000, map: Callable[..., Any] = map
     ) -> list[Path]:
         """Write the watertight mesh as STL files of about so many struts each, for what is too large for one mesh.
 

@@ -177,7 +177,7 @@ class ParametricBlend(Shape):
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,

@@ -16,9 +16,9 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import check_tolerance, shown
+from pas.algebra.inputs import shown
 from pas.algebra.lengths import lengths
-from pas.algebra.rational import exact, to_float
+from pas.algebra.rational import Exact, check_tolerance, exact, to_float
 from pas.arrays import Floats
 from pas.bernstein.forms import UNIT_ROUNDOFF
 from pas.errors import GeometryError
@@ -51,7 +51,7 @@ class FittedPatch(RationalPatch):
 @limited("fitting a patch", "a coarser tolerance or a smaller domain")
 def fit_patch(
     surface: Shape,
-    tolerance: float | None = None,
+    tolerance: Exact | None = None,
     domain: DomainLike = None,
     **limits: Unpack[WorkLimits],
 ) -> FittedPatch:

@@ -22,9 +22,9 @@ from flint import fmpq
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import cut
-from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives, is_function
+from pas.algebra.callables import ComponentLike, Derivatives, Values, component, from_derivatives, texts_of
 from pas.algebra.evaluation import Bundle
-from pas.algebra.expressions import Names, as_text
+from pas.algebra.expressions import Names
 from pas.algebra.inputs import check_count, check_derivative, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import scaled, unit
@@ -46,7 +46,7 @@ DomainLike: TypeAlias = Sequence[IntervalLike] | None
 
 ExactDomain = tuple[Ends, Ends]
 
-Text = tuple[str, str, str]
+Text = Sequence[str]
 """Three components as expressions."""
 
 CHUNK = 1 << 14
@@ -98,7 +98,7 @@ class ParametricMap:
         values: Values = lambda t, h: (formulas[0](t, h), formulas[1](t, h), formulas[2](t, h))  # noqa: E731
         if derivatives is not None:
             values = from_derivatives(values, derivatives)
-        text = None if derivatives is not None else _text_of((x, y, z))
+        text = None if derivatives is not None else texts_of((x, y, z), names)
         self._fill(names, domain, values, None, next(p.reason for p in parts if p.exact is None), text)
 
     @classmethod
@@ -299,19 +299,10 @@ def _names(parameters: Any) -> Names:
     return names[0], names[1]
 
 
-def _text_of(expressions: Sequence[Any]) -> Text | None:
-    """The expressions as strings; None where one is a callable."""
-    if any(map(is_function, expressions)):
-        return None
-    x, y, z = (as_text(e) or str(RationalFunction(e)) for e in expressions)
-    return x, y, z
-
-
 def _moved_text(text: Text, rows: Sequence[Vector], shift: Vector) -> Text:
     """The expressions after p -> rows p + shift."""
     parts = ([f"({plain(c)})*({e})" for c, e in zip(row, text, strict=True)] for row in rows)
-    x, y, z = (" + ".join([*part, f"({plain(s)})"]) for part, s in zip(parts, shift, strict=True))
-    return x, y, z
+    return [" + ".join([*part, f"({plain(s)})"]) for part, s in zip(parts, shift, strict=True)]
 
 
 def read_domain(domain: DomainLike, names: Names) -> tuple[Domain, ExactDomain]:

@@ -27,7 +27,7 @@ from pas.algebra.brief import brief
 from pas.algebra.callables import on_series
 from pas.algebra.expressions import Names
 from pas.algebra.inputs import set_fields, short
-from pas.algebra.rational import plain, rational, three, to_float, to_fraction
+from pas.algebra.rational import Exact, plain, rational, three, to_float, to_fraction
 from pas.algebra.rational_function import GENERATORS, ONE, PARAMETERS, RationalFunction
 from pas.arrays import AnyArray, Floats
 from pas.errors import GeometryError
@@ -92,7 +92,7 @@ class RationalPatch(Shape):
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,

@@ -10,7 +10,8 @@ direction across the curve in the tangent plane, which is what a blend starts fr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Unpack
 
@@ -19,12 +20,12 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape
 from pas.algebra.brief import brief
-from pas.algebra.callables import ComponentLike, component, is_function
+from pas.algebra.callables import ComponentLike, component, is_function, texts_of
 from pas.algebra.expressions import Formula, Names
-from pas.algebra.inputs import check_derivative, check_tolerance, set_fields, short, shown
+from pas.algebra.inputs import check_derivative, set_fields, short, shown
 from pas.algebra.jets import Jet, variables
 from pas.algebra.lengths import unit
-from pas.algebra.rational import Exact, plain, rational, three
+from pas.algebra.rational import Exact, check_tolerance, plain, rational, three
 from pas.algebra.rational_function import RationalFunction
 from pas.arrays import Floats
 from pas.limits import WorkLimits, limited
@@ -67,7 +68,7 @@ class ParametricSurface(ParametricMap, AffineShape["ParametricSurface"], Shape):
     @limited("meshing a surface", "a coarser tolerance or a smaller domain")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         domain: DomainLike = None,
         *,
         quality: Quality | str = Quality.BALANCED,
@@ -111,13 +112,15 @@ class SurfaceCurve:
     """The curve P(t(s), h(s)) on a parametric surface.
 
     `t` and `h` are expressions in the one parameter `parameter`: strings, sympy expressions, numbers or
-    callables of one array.  Raises `ValueError` for one that cannot be read.
+    callables of one array; `texts` are those as strings, None for callables.  Raises `ValueError` for one that
+    cannot be read.
     """
 
     surface: ParametricSurface
     parameter: str
     path: tuple[Formula, Formula]
     exact_path: tuple[RationalFunction, RationalFunction] | None
+    texts: Sequence[str] | None = field(repr=False)
 
     __repr__ = brief
 
@@ -131,7 +134,8 @@ class SurfaceCurve:
             component(one_parameter(e), names, name) for e, name in zip((t, h), surface.parameters, strict=True)
         )
         exact = None if first.exact is None or second.exact is None else (first.exact, second.exact)
-        set_fields(self, surface=surface, parameter=parameter, path=(first.formula, second.formula), exact_path=exact)
+        path, texts = (first.formula, second.formula), texts_of((t, h), names)
+        set_fields(self, surface=surface, parameter=parameter, path=path, exact_path=exact, texts=texts)
 
     @property
     def components(self) -> Components:

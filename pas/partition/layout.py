@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from pas.algebra.inputs import shown
-from pas.algebra.rational import Vector, VectorLike, cross, determinant, listed, plain, vector
+from pas.algebra.rational import Exact, Vector, VectorLike, cross, determinant, listed, plain, vector
 from pas.errors import GeometryError
 from pas.registry import Serialisable, loaded
 from pas.shape import Shape
@@ -166,7 +166,7 @@ class Layout(Shape, Serialisable):
         reason = "every arc has a piece on either side, and one direction lies in one piece: exact"
         return Findings((Verdict(Status.PROVED, "the pieces cover all directions once", reason),))
 
-    def mesh(self, tolerance: float | None = None, *, quality: Any = "balanced") -> Any:
+    def mesh(self, tolerance: Exact | None = None, *, quality: Any = "balanced") -> Any:
         """The sphere of directions as a closed `pas.Mesh` with a face for each piece; see `Shape.mesh`.
 
         It has one mesh of each number of triangles, so that all of `quality` are the same.

@@ -19,7 +19,7 @@ from typing import Self, TypeVar, Unpack
 from flint import fmpq
 
 from pas.algebra.inputs import shown, whole
-from pas.algebra.rational import binary_exponent, rational, to_fraction
+from pas.algebra.rational import Exact, binary_exponent, rational, to_fraction
 from pas.blending.space import Member, Space
 from pas.certify.certificate import Certificate
 from pas.errors import GeometryError, NotProvedError
@@ -209,7 +209,7 @@ class ChosenBlend(Shape):
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         *,
         max_triangles: int | None = None,
         quality: Quality | str = Quality.BALANCED,

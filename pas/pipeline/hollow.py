@@ -23,7 +23,7 @@ import numpy as np
 from flint import fmpq
 
 from pas.algebra.inputs import shown_point
-from pas.algebra.rational import Exact, plain, positive, three, to_float
+from pas.algebra.rational import Exact, check_tolerance, plain, positive, three, to_float
 from pas.certify.nesting import nesting
 from pas.certify.thickness import thicker_than
 from pas.contacts.cones import apex
@@ -151,17 +151,17 @@ class HollowBlend(Shape, Generic[B]):
 
     @limited("meshing a surface", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> WallMesh:
         """The closed mesh of the wall up to its ends: both surfaces within `tolerance`, and rings in the outer clips.
 
         These are planes, or the cones of openings.  Its faces are "blend", "inside of blend", "end 1", ...  Raises
         `MeshError` as `PiecewiseSurface.mesh` does, and where an end is no ring.
         """
-        tolerance = self._tolerance if tolerance is None else tolerance
+        wanted = self._tolerance if tolerance is None else check_tolerance(tolerance)
         ends = [f"end {number}" for number in range(1, 1 + len(self.outer.surface.contacts))]
         sides = wall_sides(self.outer.surface, self.inner.surface, ends, [fmpq(0)] * len(ends))
-        whole = None if sides is None else SheetBody(tuple(sides)).mesh(tolerance, Quality.of(quality))
+        whole = None if sides is None else SheetBody(tuple(sides)).mesh(wanted, Quality.of(quality))
         if sides is None or whole is None:
             raise MeshError("the two sides of the wall do not end in one ring for each contact")
         names = "blend", f"{INSIDE} blend", *ends

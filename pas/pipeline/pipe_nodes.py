@@ -255,10 +255,10 @@ class PipeNode:
 
     def _lost(self, clips: Sequence[float]) -> str | None:
         """The fault where another face than the ends of the pipes would be cut between clips; None where none is."""
-        mesh, names = self.pipes.mesh(), {tube.face for tube in self.tubes}
+        mesh, own = self.pipes.mesh(), {tube.face for tube in self.tubes}
         ways = np.array([arm.direction for arm in self.arms])
         heights = (mesh.points - to_floats(self.center)) @ ways.T - np.array(clips)
-        for number, face in enumerate(mesh.names):
+        for number, names in enumerate(mesh.solid_faces):
             starts = mesh.triangles[mesh.faces == number]
             ends = np.stack([starts, np.roll(starts, -1, axis=1)], axis=-1).reshape(-1, 2)
             here, there = heights[ends].transpose(1, 0, 2)
@@ -267,7 +267,7 @@ class PipeNode:
             low = np.where(here >= 0, np.where(here > there, share, 1.0), 0.0).max(axis=1)
             high = np.where(here < 0, np.where(there > here, share, 1.0), 1.0).min(axis=1)
             rows = np.flatnonzero(low < high)
-            for name in face.split(" + ") if len(rows) and names.isdisjoint(face.split(" + ")) else ():
+            for name in names if len(rows) and own.isdisjoint(names) else ():
                 (surface, *_) = self.solid.polynomials.get(name) or (self.tubes[0].surface,)
                 slope = slope_at(surface, self.center)
                 if surface.degree > 1 or all(any(cross(slope, tube.way)) for tube in self.tubes):

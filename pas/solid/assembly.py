@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import brief, listed
 from pas.algebra.inputs import shown
+from pas.algebra.rational import Exact
 from pas.arrays import Bools, Floats
 from pas.limits import WorkLimits, in_parts, limited
 from pas.mesh.mesh import Mesh
@@ -54,13 +55,13 @@ class Part(AffineShape["Part"], Shape):
 
     @limited("meshing a part", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """The part's mesh; see `Solid.mesh`."""
         return self.shape.mesh(tolerance, quality=quality)
 
     @limited("measuring a part", "a coarser tolerance")
-    def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
+    def measures(self, tolerance: Exact | None = None, **limits: Unpack[WorkLimits]) -> Measures:
         """Volume, area, centre and moments of its solid, or of what its mesh encloses; see `Solid.measures`."""
         return self.shape.measures(tolerance) if isinstance(self.shape, Solid) else flat_measures(self.shape)
 
@@ -90,14 +91,14 @@ class Assembly(AffineShape["Assembly"], Shape):
 
     @limited("meshing an assembly", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """All parts as one mesh, whose faces are named "part: face"; each part as `Part.mesh` gives it."""
         return Mesh.together(self.meshes(tolerance, quality=quality))
 
     @limited("meshing an assembly", "a coarser tolerance")
     def meshes(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> dict[str, Mesh]:
         """The mesh of each part."""
         return {
@@ -105,7 +106,7 @@ class Assembly(AffineShape["Assembly"], Shape):
         }
 
     @limited("measuring an assembly", "a coarser tolerance")
-    def part_list(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> PartList:
+    def part_list(self, tolerance: Exact | None = None, **limits: Unpack[WorkLimits]) -> PartList:
         """What each part measures, by its name; the `whole` of it is what all do together.
 
         `print(assembly.part_list())` shows a table; `assembly.write("parts.csv")` writes one.

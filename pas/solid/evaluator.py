@@ -6,7 +6,6 @@ here are), so that far from the origin nothing is lost.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,6 +19,7 @@ from pas.algebra.rational import Vector, to_float
 from pas.algebra.scaling import Scaled
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
+from pas.mesh.mesh import called
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Columns, Function, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
@@ -37,11 +37,6 @@ class Column:
     def face(self) -> str:
         """The name of its face, "" for a wall."""
         return called(self.names)
-
-
-def called(names: Iterable[str]) -> str:
-    """The name of a mesh's face on which faces of some different names lie: "a", or "a + b"."""
-    return " + ".join(names)
 
 
 class TreeEvaluator(CompiledTree):

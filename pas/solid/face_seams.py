@@ -219,7 +219,7 @@ def edges_between(mesh: Mesh, first: Sequence[int], second: Sequence[int]) -> In
 
 def face_numbers(mesh: Mesh, name: str) -> list[int]:
     """The faces of a mesh, by number, that have a name."""
-    return [number for number, several in enumerate(mesh.names) if name in several.split(" + ")]
+    return [number for number, names in enumerate(mesh.solid_faces) if name in names]
 
 
 def _numbered(solid: Solid, name: str) -> list[str]:
@@ -231,8 +231,7 @@ def _ended(
     seam: FaceSeam, solid: Solid, mesh: Mesh, edges: Integers, sharp: Set[frozenset[tuple[str, str]]]
 ) -> FaceSeam:
     """A seam with what ends it, and the faces beside it."""
-    names, points = seam.names, seam.points
-    parts = [name.split(" + ") for name in mesh.names]
+    names, points, parts = seam.names, seam.points, mesh.solid_faces
     own = [number for number, some in enumerate(parts) if not {*names}.isdisjoint(some)]
     vertices, times = np.unique(edges, return_counts=True)
     size, flat = float(np.ptp(mesh.points, axis=0).max()), 1e-6  # below which a seam goes along a face

@@ -19,9 +19,10 @@ from pas.bernstein.search import Boxes, Fate, Fates, Limits, search
 from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
-from pas.mesh.field import FaceField, ShellWall
+from pas.mesh.field import FaceField, ShellWall, column_of, is_above, label_of, orientation
+from pas.mesh.mesh import called
 from pas.solid.bounds import bounding_box
-from pas.solid.evaluator import TreeEvaluator, called
+from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
 from pas.solid.seams import Seams, seams_of
 from pas.solid.tree import Atom, Function, Node, Tree, combined, complement, splits_of
@@ -69,13 +70,12 @@ class SolidField:
             return None
         others, walls = found
         solid = SolidField(others, box, seams, special)
-        columns, turned = self.evaluator.number(solid.evaluator, np.arange(solid.evaluator.used))
-        outer = (2 * columns[:, None] + (np.arange(2) ^ turned[:, None])).ravel()
-        inner = np.full(len(outer), -1, dtype=np.intp)
+        labels = np.arange(label_of(solid.evaluator.used))
+        faces = [solid.evaluator.columns[column].face for column in column_of(labels).tolist()]
+        inner = np.full(len(labels), -1, dtype=np.intp)
         for distance, follows in walls:
-            number = self.evaluator.column_of(distance)
-            inner[np.repeat([c.face in follows.faces for c in solid.evaluator.columns[: len(columns)]], 2)] = 2 * number
-        return ShellWall(solid, walls[0][1].thickness / self.scale, outer, inner)
+            inner[[face in follows.faces for face in faces]] = label_of(self.evaluator.column_of(distance))
+        return ShellWall(solid, walls[0][1].thickness / self.scale, self.labels_of(solid, labels), inner)
 
     def needed(self, within: float) -> SolidField:
         """The boundary without conditions that others imply, or itself: see `without_implied`."""
@@ -90,8 +90,8 @@ class SolidField:
 
     def labels_of(self, shell: FaceField, labels: Integers) -> Integers:
         assert isinstance(shell, SolidField)
-        columns, turned = self.evaluator.number(shell.evaluator, labels // 2)
-        return 2 * columns + (labels % 2 ^ turned)
+        columns, turned = self.evaluator.number(shell.evaluator, column_of(labels))
+        return label_of(columns, is_above(labels) ^ turned)
 
     @property
     def scale(self) -> float:
@@ -149,7 +149,7 @@ class SolidField:
         At special points both are 0 where they are rounding, which has no direction.
         """
         labels = np.broadcast_to(np.asarray(labels, dtype=np.intp), len(points))
-        jets = self.evaluator.jets(points, labels // 2) * (1.0 - 2.0 * (labels % 2))[:, None]
+        jets = self.evaluator.jets(points, column_of(labels)) * orientation(labels)[:, None]
         for special in self.special_points:
             rounding = 2.0**-36  # of coordinates and functions that are of size 1
             here = (np.abs(points - special).max(axis=1) < rounding) & (np.abs(jets).max(axis=1) < rounding)
@@ -158,10 +158,10 @@ class SolidField:
 
     def ruled(self, labels: Integers) -> Integers:
         """2 for planes, 1 for cylinders and cones, which are quadrics without a determinant, 0 for others (N,)."""
-        return self._ruled[labels // 2]
+        return self._ruled[column_of(labels)]
 
     def walls(self, labels: Integers) -> Bools:
-        return self.evaluator.walls[labels // 2]
+        return self.evaluator.walls[column_of(labels)]
 
     @cached_property
     def _ruled(self) -> Integers:
@@ -170,21 +170,22 @@ class SolidField:
 
     def functions(self, labels: tuple[int, ...]) -> tuple[int, ...]:
         if labels not in self._placing:
-            columns = sorted({label // 2 for label in labels})
+            columns = sorted({*map(column_of, labels)})
             seams = {pair: self._seams.between(*pair) for pair in combinations(columns, 2)}
             joined = {column for pair, seam in seams.items() if seam for column in pair}
             known = [c for seam in seams.values() for c in seam] + [c for c in columns if c not in joined]
-            self._placing[labels] = tuple(dict.fromkeys(2 * c for c in known)) if len(labels) > 1 else labels
+            self._placing[labels] = tuple(dict.fromkeys(map(label_of, known))) if len(labels) > 1 else labels
         return self._placing[labels]
 
     def face(self, label: int) -> str:
         """The name of a label's face; of an end left open by walls, its equation."""
-        column = self.evaluator.columns[label // 2]
+        column = self.evaluator.columns[column_of(label)]
         return column.face or f"{column.function} = 0"
 
-    def face_within(self, label: int, centers: Floats, halves: Floats) -> str:
-        """The name of a label's face as far as it is in boxes of given half edges (N, 3)."""
-        return called(self.evaluator.names_within(label // 2, label % 2 == 1, centers, halves)) or self.face(label)
+    def faces_within(self, label: int, centers: Floats, halves: Floats) -> tuple[str, ...]:
+        """The names of a label's faces that may be in boxes of given half edges (N, 3)."""
+        above = bool(is_above(label))
+        return self.evaluator.names_within(column_of(label), above, centers, halves) or (self.face(label),)
 
     def refuse_coincident(self) -> None:
         """Raise `GeometryError` where two functions share a surface, `MeshError` where `Seams` finds a place."""
@@ -194,7 +195,7 @@ class SolidField:
             common = faces[a].raw.gcd(faces[b].raw)
             if not common.is_constant():
                 raise GeometryError(
-                    f"the faces {self.face(2 * a)!r} and {self.face(2 * b)!r} coincide on {common} = 0; "
+                    f"the faces {self.face(label_of(a))!r} and {self.face(label_of(b))!r} coincide on {common} = 0; "
                     "write one of them without that factor"
                 )
         for point, a, b, both in self._seams.pinched():
@@ -211,10 +212,10 @@ class SolidField:
         touches it, and leaves the face without an angle, in some places outwards and in others inwards."""
         faces = {c: self.evaluator.columns[c].function for c in np.flatnonzero(~self.evaluator.walls).tolist()}
         for a in (c for c, f in faces.items() if isinstance(f, Polynomial) and f.primitive() == surface):
-            across = np.cross(self.jets(rim, 2 * a)[:, 1:], np.roll(rim, -1, axis=0) - rim)
+            across = np.cross(self.jets(rim, label_of(a))[:, 1:], np.roll(rim, -1, axis=0) - rim)
             step = 2.0**-6 * np.ptp(rim, axis=0).max() * unit(across)
             for moved, b in product((rim + step, rim - step), (c for c in faces if number in self._seams.of(c))):
-                jets = self.jets(moved, 2 * a)
+                jets = self.jets(moved, label_of(a))
                 beside = moved - jets[:, :1] * jets[:, 1:] / (jets[:, 1:] ** 2).sum(axis=1)[:, None]
                 signs, held = self.signs(beside), np.empty((2, 2, len(rim)), dtype=int)
                 inwards = signs[b].copy()
@@ -223,8 +224,9 @@ class SolidField:
                     held[i, j] = self.inside(signs)
                 both = held.sum(axis=(0, 1)) % 2 == 1  # the set depends on either as the other one is
                 for k in np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)) & (a != b)):
-                    labels = [2 * c + int(held.sum(axis=axis)[:, k].argmax()) for c, axis in ((a, 1), (b, 0))]
-                    going, left = (self.face_within(label, beside[[k]], np.full((1, 3), 2.0**-6)) for label in labels)
+                    labels = [label_of(c, bool(held.sum(axis=axis)[:, k].argmax())) for c, axis in ((a, 1), (b, 0))]
+                    within = beside[[k]], np.full((1, 3), 2.0**-6)
+                    going, left = (called(self.faces_within(label, *within)) for label in labels)
                     raise MeshError(
                         f"the solid has no mesh: near {shown_point(self.world(beside[k]))} what lies on the surface of "
                         f"{going!r} goes on beyond the curve in which that meets {left!r}, and leaves it without an "

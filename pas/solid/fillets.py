@@ -186,8 +186,8 @@ def strays(made: Solid) -> str | None:
     except MeshError as error:
         return f"it has no mesh: {error}"
     known = {*made.faces}
-    for face, name in enumerate(mesh.names):
-        if not known.issuperset(name.split(" + ")):
+    for face, names in enumerate(mesh.solid_faces):
+        if not known.issuperset(names):
             place = mesh.points[mesh.triangles[mesh.faces == face][0, 0]]
             return (
                 f"it would end in a wall near {shown_point(place)}: give as `within` polynomials that are positive "

@@ -24,6 +24,7 @@ from pas.arrays import Floats
 from pas.errors import GeometryError, MeshError
 from pas.mesh.booleans import BooleanStep, Triangles, boolean, carried_out
 from pas.mesh.closed import refined_faces
+from pas.mesh.field import label_of, opposite
 from pas.mesh.labelled import Labelled
 from pas.mesh.nodes import SAME
 from pas.mesh.quality import Quality
@@ -136,7 +137,8 @@ class Operands(SolidBoundary):
         except (GeometryError, MeshError):  # of a part: what is wrong with the whole, if anything is, that says
             return None
         first, second = map(_areas, (found, finer))
-        same = _shape(found) == _shape(finer) and found.faces.max() < 2 * field.evaluator.used and not _is_flat(finer)
+        known = found.faces.max() < label_of(field.evaluator.used)
+        same = known and _shape(found) == _shape(finer) and not _is_flat(finer)
         return Labelled.of(*found) if same and np.all(second > first / 2) else None
 
     def _cut(self, field: SolidField, tolerance: float, parts: int) -> Triangles:
@@ -144,8 +146,8 @@ class Operands(SolidBoundary):
             raise GeometryError("what is made of the parts has no bounds")
         bounded = [_within(part, self.box) if _box(part) is None else part for part in self.parts]
         cuts = [_cut(part, field, tolerance, parts) for part in bounded]
-        outside = (cut._replace(faces=cut.faces ^ turn) for cut, turn in zip(cuts, self.turned, strict=True))
-        return boolean([*outside], self.steps)
+        turns = zip(cuts, self.turned, strict=True)
+        return boolean([cut._replace(faces=opposite(cut.faces)) if turn else cut for cut, turn in turns], self.steps)
 
 
 def _cut(part: Operand, field: SolidField, tolerance: float, parts: int) -> Triangles:

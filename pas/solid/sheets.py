@@ -20,6 +20,7 @@ import numpy as np
 from pas.algebra.polynomial import Polynomial
 from pas.arrays import Floats, Integers
 from pas.mesh.closed import refined_faces
+from pas.mesh.field import label_of
 from pas.mesh.labelled import Labelled
 from pas.mesh.mesh import Mesh
 from pas.mesh.quality import Quality
@@ -249,7 +250,7 @@ def face_mesh(mesh: Mesh, field: SolidField, tolerance: float, quality: Quality)
     # Apexes are exact up to rounding.
     special = [np.flatnonzero(norms(points - point) < 2.0**-36) for point in field.special_points]
     pinned = np.concatenate([np.empty(0, dtype=np.intp), *special])
-    made = Labelled.of(points, mesh.triangles, (2 * numbers + sides)[mesh.faces], pinned)
+    made = Labelled.of(points, mesh.triangles, label_of(numbers, sides)[mesh.faces], pinned)
     if quality is Quality.ANGLES:
         return refined_faces(made, field, tolerance / field.scale, quality)
     return FaceMesh(made, (mesh.deviation or 0.0) / field.scale)

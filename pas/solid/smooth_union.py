@@ -46,7 +46,7 @@ def smooth_union(a: Solid, b: Solid, radius: Exact, order: int = 1, **limits: Un
     with part(0.3):
         left, corner = _crossing(made, sides)
     if not left:
-        seen = {part for name in made.mesh().names for part in name.split(" + ")}
+        seen = {name for names in made.mesh().solid_faces for name in names}
         why = ", as one is inside the other" if any(seen.isdisjoint(side) for side in sides) else ""
         raise GeometryError(f"the solids do not meet in an edge where a face of one crosses a face of the other{why}")
     while left:
@@ -77,7 +77,7 @@ def _crossing(solid: Solid, sides: tuple[set[str], set[str]]) -> tuple[dict[tupl
     a corner come first, with what is wrong with that where they cannot be rounded together.
     """
     mesh = solid.mesh()
-    parts = [name.split(" + ") for name in mesh.names]
+    parts = mesh.solid_faces
     first, second = (np.array([side.issuperset(names) for names in parts]) for side in sides)
     twins = twins_of(mesh.triangles, len(mesh.points))
     here, there = np.repeat(mesh.faces, 3), mesh.faces[twins // 3]

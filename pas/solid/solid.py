@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 
 from pas.algebra.affine import Affine, AffineShape, numbered
 from pas.algebra.brief import listed
-from pas.algebra.inputs import check_names, check_tolerance, points_of
+from pas.algebra.inputs import check_names, points_of
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, rational, to_float
+from pas.algebra.rational import Exact, check_tolerance, rational, to_float
 from pas.arrays import Bools, Floats
 from pas.errors import GeometryError, meant
 from pas.limits import WorkLimits, limited
@@ -115,7 +115,7 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
 
     @limited("hollowing out a solid", "a coarser tolerance")
     def shell(
-        self, thickness: Exact, open: Sequence[str] = (), tolerance: float | None = None, **limits: Unpack[WorkLimits]
+        self, thickness: Exact, open: Sequence[str] = (), tolerance: Exact | None = None, **limits: Unpack[WorkLimits]
     ) -> Solid:
         """The solid hollowed out: its points up to `thickness` from its faces, but for the `open` ones.
 
@@ -242,7 +242,7 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> Mesh:
         """A closed triangle mesh within `tolerance` (the model's units) of the boundary.
 
@@ -256,7 +256,7 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
         found = None if how is Quality.ANGLES else self._sheet_mesh(tolerance, how)
         return self.face_mesh(tolerance, quality=how).named(self.field) if found is None else merged(found, self.faces)
 
-    def _sheet_mesh(self, tolerance: float | None, quality: Quality) -> Mesh | None:
+    def _sheet_mesh(self, tolerance: Exact | None, quality: Quality) -> Mesh | None:
         if self.sheets is None:
             return None
         if tolerance is not None:
@@ -266,7 +266,7 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
 
     @limited("meshing a solid", "a coarser tolerance")
     def face_mesh(
-        self, tolerance: float | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
+        self, tolerance: Exact | None = None, *, quality: Quality | str = Quality.BALANCED, **limits: Unpack[WorkLimits]
     ) -> FaceMesh:
         """The mesh as the mesher makes it: labelled, in the local coordinates of `field`."""
         key = self._tolerance(tolerance), Quality.of(quality)
@@ -284,14 +284,14 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
         first = known.first_mesh(self.field, within) if isinstance(known, Operands) else None
         return triangulate_faces(self.field, within, quality, first)
 
-    def _tolerance(self, tolerance: float | None) -> float:
+    def _tolerance(self, tolerance: Exact | None) -> float:
         if tolerance is not None:
             check_tolerance(tolerance)  # before the box, which takes a while
         size = float(np.ptp(self._around, axis=0).max())
         return RELATIVE_TOLERANCE * size if tolerance is None else check_tolerance(tolerance, size)
 
     @limited("measuring a solid", "a coarser tolerance")
-    def volume(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
+    def volume(self, tolerance: Exact | None = None, **limits: Unpack[WorkLimits]) -> float:
         """The volume, with an error of second order in the tolerance of its mesh, of order 3/2 on cones.
 
         Where `sheets` bound the solid it is that of their mesh, whose distance from them is measured.
@@ -299,12 +299,12 @@ class Solid(AffineShape["Solid"], WithEdges, Shape):
         return self.measures(tolerance).volume
 
     @limited("measuring a solid", "a coarser tolerance")
-    def area(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> float:
+    def area(self, tolerance: Exact | None = None, **limits: Unpack[WorkLimits]) -> float:
         """The area of the boundary, with an error of the same order as that of the volume."""
         return self.measures(tolerance).area
 
     @limited("measuring a solid", "a coarser tolerance")
-    def measures(self, tolerance: float | None = None, **limits: Unpack[WorkLimits]) -> Measures:
+    def measures(self, tolerance: Exact | None = None, **limits: Unpack[WorkLimits]) -> Measures:
         """Volume, area, centre of mass and moments of inertia, with errors of the same order as that of the volume.
 
         They say how far they are off those of a mesh within `tolerance` (the model's units).

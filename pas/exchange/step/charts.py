@@ -18,7 +18,7 @@ from pas.arrays import Floats, Integers
 from pas.errors import GeometryError
 from pas.exchange.step.carriers import Carrier, Plane, reducible_planes
 from pas.exchange.step.parametrized import PlacedSurface, Wall, surface_of
-from pas.mesh.field import place_of
+from pas.mesh.field import column_of, orientation, place_of
 from pas.mesh.halfedges import halved
 from pas.mesh.labelled import Labelled
 from pas.mesh.projection import CommonZeros
@@ -90,7 +90,7 @@ class Atlas:
                 self._add(rows[number == piece], _piece_sheet(function, piece, label, field))
 
     def _pieces(self, label: int) -> Pieces | None:
-        function = self.field.evaluator.columns[label // 2].function
+        function = self.field.evaluator.columns[column_of(label)].function
         return function if isinstance(function, Pieces) else None
 
     def _caps(self, label: int) -> list[tuple[Plane, Carrier]]:
@@ -99,10 +99,9 @@ class Atlas:
 
     def _sheet(self, label: int) -> Sheet:
         points = self.points[np.unique(self.triangles[self.chart == label])]
-        polynomial = self.field.evaluator.polynomial(label // 2)
-        return Sheet(
-            partial(self.field.jets, labels=label), label, polynomial, surface_of(self.field, label // 2, points)
-        )
+        column = column_of(label)
+        polynomial, carrier = self.field.evaluator.polynomial(column), surface_of(self.field, column, points)
+        return Sheet(partial(self.field.jets, labels=label), label, polynomial, carrier)
 
     def _add(self, rows: Integers, sheet: Sheet) -> list[int]:
         """Each connected part of some triangles as a new chart; returns the charts."""
@@ -216,7 +215,7 @@ class Atlas:
                 raise GeometryError(f"the face {self.field.face(labels[0])!r} meets itself near {place}")
             return sheets[0], plane
         placing = self.field.functions(tuple(sorted(labels)))
-        if {p // 2 for p in placing} != {label // 2 for label in labels}:
+        if {*map(column_of, placing)} != {*map(column_of, labels)}:
             made = (Sheet(partial(self.field.jets, labels=p), p) for p in placing)
             return tuple(self._seams.setdefault(p, sheet) for p, sheet in zip(placing, made, strict=True))
         plane, _ = _nearest(self.planes_between(left, right), points)
@@ -255,8 +254,7 @@ def _walls(function: Pieces, field: SolidField) -> list[Wall]:
 def _piece_sheet(function: Pieces, piece: int, label: int, field: SolidField) -> Sheet:
     """The polynomial of one piece, which goes on beyond the piece."""
     frame, batch = function.partition.frame, function.surface.evaluator.batch(0, 1)
-    sign = 1.0 - 2.0 * (label % 2)
-    factors = sign * np.array([1.0, *[field.scale / to_float(frame.scale)] * 3])
+    factors = orientation(label) * np.array([1.0, *[field.scale / to_float(frame.scale)] * 3])
 
     def jets(points: Floats) -> Floats:
         local = frame.local_points(field.world(points))

@@ -29,7 +29,7 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS, TopoDS_Compound
 
-from pas.algebra.inputs import check_tolerance
+from pas.algebra.rational import Exact, check_tolerance
 from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.exchange.step.borders import Borders
@@ -37,7 +37,7 @@ from pas.exchange.step.charts import NEAR, Atlas
 from pas.exchange.step.division import divide
 from pas.exchange.step.parameters import SplinePatch
 from pas.exchange.step.shapes import ShapeMaker
-from pas.mesh.field import place_of
+from pas.mesh.field import column_of, place_of
 from pas.settings import RELATIVE_TOLERANCE
 from pas.solid.measures import curved_measures
 from pas.solid.solid import Solid
@@ -170,7 +170,7 @@ class StepPart:
 
 
 def step_part(
-    solid: Solid, name: str, color: tuple[int, int, int] | None = None, tolerance: float | None = None
+    solid: Solid, name: str, color: tuple[int, int, int] | None = None, tolerance: Exact | None = None
 ) -> StepPart:
     """A solid as a part of a STEP file, whose faces are within `tolerance` (the model's units) of the solid's.
 
@@ -206,7 +206,7 @@ def _order(solid: Solid, one: int, other: int, points: Floats) -> int:
     Between pieces of one face it is the highest of its joints.
     """
     field = solid.field
-    names = [field.evaluator.columns[label // 2].names for label in (one, other)]
+    names = [field.evaluator.columns[column_of(label)].names for label in (one, other)]
     if one == other:
         return max((j.order for j in solid.joints if {j.first, j.second} & {*names[0]}), default=1)
     places, order = field.world(points), 0

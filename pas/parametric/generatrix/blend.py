@@ -12,6 +12,7 @@ import numpy as np
 
 from pas.algebra.inputs import shown
 from pas.algebra.polynomial import PolynomialLike
+from pas.algebra.rational import Exact
 from pas.errors import GeometryError, NotProvedError
 from pas.limits import WorkLimits, checkpoint, limited
 from pas.mesh.mesh import Mesh
@@ -54,7 +55,7 @@ class GeneratrixBlend(GeneratrixForm, Shape):
     @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         *,
         size: tuple[int, int] | None = None,
         quality: Quality | str = Quality.BALANCED,

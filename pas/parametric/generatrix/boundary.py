@@ -18,11 +18,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pas.algebra.brief import brief
+from pas.algebra.callables import texts_of
+from pas.algebra.expressions import as_text
 from pas.algebra.inputs import short, shown
 from pas.algebra.lengths import lengths, unit
 from pas.algebra.polynomial import Polynomial, PolynomialLike
-from pas.algebra.rational import Exact, cross
-from pas.algebra.rational_function import RationalFunction
+from pas.algebra.rational import Exact, cross, plain, rational
+from pas.algebra.rational_function import PARAMETERS, RationalFunction
 from pas.arrays import Floats
 from pas.errors import GeometryError
 from pas.parametric.generatrix.paths import (
@@ -64,7 +66,8 @@ class Boundary:
     curve and field where there are such, `bounds` makes what is known of a curve in closed form.  The blend's
     parameter s is brought to the curve's own by `phase + s`, or `phase - s` where `backwards`, modulo 1 for closed
     curves.  `surface` is what the curve lies on, where that is known; for a parametric one `parameters` are the pairs
-    (n, 2) along the curve.  `source` is the table that all this was read from, where it was.
+    (n, 2) along the curve.  `source` is the table from which `pas.boundary_from` makes it, without its side; None for
+    callables and samples, which no file keeps.
 
     Raises `GeometryError` where the curve stops, the field vanishes or is along the curve, or a curve called
     closed is not.
@@ -109,7 +112,7 @@ class Boundary:
         tangent: CurveLike | None = None,
         interval: Sequence[Exact] = (0, 1),
         closed: bool | None = None,
-        name: str = "the boundary",
+        name: str | None = None,
         side: int | None = None,
     ) -> Boundary:
         """Any curve with the normal of its surface, or with a tangent vector of it that is not along the curve.
@@ -117,7 +120,7 @@ class Boundary:
         Each of the three is a triple of expressions in s, or one callable from (n,) to (n, 3); `interval` is that
         of s.  `closed` None: as it is found to be.
         """
-        given = normal if tangent is None else tangent
+        given, told, name = normal if tangent is None else tangent, name, name or "the boundary"
         if given is None or (normal is not None and tangent is not None):
             raise ValueError(f"{name}: give exactly one of normal and tangent")
         path, vectors = read_path(curve, interval, name), read_path(given, interval, f"{name}, its vectors")
@@ -125,7 +128,9 @@ class Boundary:
         if path.is_exact and vectors.is_exact:
             exact = ExactCurve(path.components, vectors.components, tangent is None)
         field: Curve = lambda s: value_at(vectors, s)  # noqa: E731
-        return part(*_along(path), field, closed=closed, name=name, has_normal=tangent is None, exact=exact, side=side)
+        needs = {"curve": texts_of(curve, NAMES), "normal" if tangent is None else "tangent": texts_of(given, NAMES)}
+        known: dict[str, Any] = {"exact": exact, "source": source_of(needs, interval, closed=closed, name=told)}
+        return part(*_along(path), field, closed=closed, name=name, has_normal=tangent is None, side=side, **known)
 
     @classmethod
     def on_implicit(
@@ -142,6 +147,8 @@ class Boundary:
         Raises `GeometryError` where it does not lie on it: exactly for rational curves.
         """
         f = within_reach(Polynomial(polynomial))
+        needs = {"implicit": as_text(polynomial) or str(f), "curve": texts_of(curve, NAMES)}
+        source = source_of(needs, interval, closed=closed, name=name)
         name = f"the boundary on {short(str(f))} = 0" if name is None else name
         path = read_path(curve, interval, name)
         exact = None
@@ -154,7 +161,7 @@ class Boundary:
         else:
             require_on(f, path, name)
         field: Curve = lambda s: f.gradient(value_at(path, s))  # noqa: E731
-        return part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f)
+        return part(*_along(path), field, closed=closed, name=name, exact=exact, side=side, surface=f, source=source)
 
     @classmethod
     def on_parametric(
@@ -162,12 +169,13 @@ class Boundary:
         curve: SurfaceCurve,
         interval: Sequence[Exact] = (0, 1),
         closed: bool | None = None,
-        name: str = "the boundary on a parametric surface",
+        name: str | None = None,
         side: int | None = None,
     ) -> Boundary:
         """A curve on a parametric surface, such as `iso_curve(surface, h=1)`, over an interval of its parameter."""
         if not isinstance(curve, SurfaceCurve):
             raise TypeError(f"curve must be a SurfaceCurve, made by iso_curve or SurfaceCurve, not {shown(curve)}")
+        told, name = name, name or "the boundary on a parametric surface"
         ends, line = on_unit_interval(interval, name)
         low, high = ends
         curve.surface(curve.parameters(low + (high - low) * CHECKED))  # speaks up outside the domain
@@ -183,7 +191,8 @@ class Boundary:
             return np.cross(tangents[..., 0, :], tangents[..., 1, :])
 
         parameters: Curve = lambda s: curve.parameters(low + (high - low) * s)  # noqa: E731
-        known: dict[str, Any] = {"exact": exact, "surface": curve.surface, "parameters": parameters}
+        source = source_of(_on_surface(curve), interval, closed=closed, name=told)
+        known: dict[str, Any] = {"exact": exact, "surface": curve.surface, "parameters": parameters, "source": source}
         return part(curve, curve.derivative, field, ends, closed=closed, name=name, side=side, **known)
 
     @classmethod
@@ -291,3 +300,21 @@ def part(
 def _along(path: ParametricSurface) -> tuple[Curve, Curve]:
     """C and C' of a path."""
     return lambda s: value_at(path, s), lambda s: value_at(path, s, 1)
+
+
+def source_of(needs: Mapping[str, Any], interval: Sequence[Exact] | None, **more: Any) -> dict[str, Any] | None:
+    """The table of a boundary, with what is not as usual; None where something that it needs has no text."""
+    part_of = () if interval is None or tuple(interval) == (0, 1) else interval
+    ends = [plain(rational(end)) for end in part_of] or None
+    given = {key: value for key, value in {"interval": ends, **more}.items() if value is not None}
+    return None if None in needs.values() else {**needs, **given}
+
+
+def _on_surface(curve: SurfaceCurve) -> dict[str, Any]:
+    """The entries of a table for a curve on a surface, in t, h and s whatever its parameters are called if exact."""
+    surface = curve.surface
+    formulas = surface.text if surface.parameters == PARAMETERS else None
+    texts: Any = texts_of(surface.components if surface.is_exact else formulas, PARAMETERS) or [None] * 3
+    path = texts_of(curve.exact_path or (curve.texts if curve.parameter == NAMES[0] else None), NAMES)
+    domain = [[None if end is None else str(end) for end in ends] for ends in surface.ends]
+    return {**dict(zip("xyz", texts, strict=True)), "path": path, "domain": domain}

@@ -32,7 +32,7 @@ from pas.algebra.rational import Exact, to_floats
 from pas.arrays import AnyArray, Floats
 from pas.certify.free_curves import dual
 from pas.errors import GeometryError
-from pas.parametric.generatrix.boundary import Boundary, part
+from pas.parametric.generatrix.boundary import Boundary, part, source_of
 from pas.parametric.generatrix.paths import Curve, on_unit_interval
 from pas.parametric.generatrix.quadric import PLANES, Member, Quadric, Rulings, members, planes_of, rulings, to_array
 from pas.parametric.generatrix.sections import Conic, ConicKind, conic_section
@@ -96,7 +96,7 @@ class QuadricBranch:
     `interval` are the angles that it runs over.  With a `factor` g it takes both signs of the root (then it is closed
     though D vanishes at the ends), else `sign` is the one.  `poles` are the s at which it is at infinity:
     it is `closed` where there are none.  `conic` is given instead where the branch is plane, `sign` then being that
-    of a hyperbola's branch.
+    of a hyperbola's branch.  Its `number` is that among the branches.
     """
 
     pair: QuadricPair
@@ -106,6 +106,7 @@ class QuadricBranch:
     factor: Floats | None = None
     conic: Conic | None = None
     poles: tuple[float, ...] = ()
+    number: int = 0
 
     __repr__ = brief
 
@@ -147,6 +148,8 @@ class QuadricBranch:
         if number not in (0, 1):
             raise ValueError(f"number must be 0 or 1, the quadric that the blend is to meet, not {shown(number)}")
         f, other = (self.quadrics[i].polynomial for i in (number, 1 - number))
+        needs = {key: q.text for key, q in zip(("quadric", "other"), self.quadrics, strict=True)}
+        source = source_of(needs, interval, branch=self.number or None, number=number or None, name=name)
         name = f"the branch of {f} = 0 and {other} = 0" if name is None else name
         if interval is None and not self.closed:
             poles = ", ".join(f"{p:.4g}" for p in self.poles)
@@ -157,7 +160,7 @@ class QuadricBranch:
             raise GeometryError(f"{name} goes to infinity at s = {inside[0]:.4g}, inside the interval")
         near, shut = self.pair.local[number].polynomial, interval is None
         field: Curve = lambda s: near.gradient(self.local(s))  # noqa: E731
-        return part(self, self.derivative, field, ends, shut, name=name, side=side, surface=f)
+        return part(self, self.derivative, field, ends, shut, name=name, side=side, surface=f, source=source)
 
     def homogeneous(self, s: Floats) -> Floats:
         """Homogeneous points (n, 4) of length one at s (n,) on the straight lines, before Newton's step."""
@@ -211,7 +214,7 @@ def quadric_intersection(
         raise GeometryError(f"{pair.text} do not meet: the intersection is empty (complex)")
     planes = next((matrix for matrix, inertia in found if inertia in PLANES), None)
     branches = _plane_branches(pair, planes) if planes is not None else _ruled_branches(pair, found)
-    return tuple(sorted(branches, key=lambda b: not b.closed))
+    return tuple(replace(b, number=n) for n, b in enumerate(sorted(branches, key=lambda b: not b.closed)))
 
 
 def _plane_branches(pair: QuadricPair, member: fmpq_mat) -> list[QuadricBranch]:

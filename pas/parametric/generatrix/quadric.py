@@ -17,7 +17,7 @@ v = (-B +- sqrt(D)) / A with the trigonometric polynomial D = B^2 - A C of degre
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property
@@ -28,7 +28,8 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 
 from pas.algebra.affine import quadratic_form, slope_at
 from pas.algebra.brief import brief
-from pas.algebra.inputs import short
+from pas.algebra.expressions import as_text
+from pas.algebra.inputs import set_fields, short
 from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Vector, square_root, three, to_floats, to_fraction
 from pas.algebra.roots import between, real_roots
@@ -86,21 +87,22 @@ KINDS: dict[tuple[Inertia, Inertia], QuadricKind] = {
 
 @dataclass(frozen=True, init=False)
 class Quadric:
-    """A polynomial of degree two in x, y, z; raises `ValueError` or `TypeError` for anything else."""
+    """A polynomial of degree two in x, y, z, and its `text` as given; raises `ValueError` or `TypeError` for others."""
 
     polynomial: Polynomial
+    text: str = field(compare=False, repr=False)
 
     __repr__ = brief
 
     def __init__(self, expression: PolynomialLike | Quadric, name: str = "the quadric") -> None:
         if isinstance(expression, Quadric):
-            expression = expression.polynomial
+            expression = expression.text
         polynomial = Polynomial(expression)
         if polynomial.degree != 2:
             raise ValueError(
                 f"{name} must be a polynomial of degree 2, not {short(str(polynomial))} of degree {polynomial.degree}"
             )
-        object.__setattr__(self, "polynomial", within_reach(polynomial))
+        set_fields(self, polynomial=within_reach(polynomial), text=as_text(expression) or str(polynomial))
 
     @cached_property
     def matrix(self) -> fmpq_mat:

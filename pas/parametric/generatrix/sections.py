@@ -18,14 +18,15 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from pas.algebra.expressions import as_text
 from pas.algebra.inputs import short, shown, shown_point
 from pas.algebra.lengths import exponent
-from pas.algebra.polynomial import PolynomialLike
+from pas.algebra.polynomial import Polynomial, PolynomialLike
 from pas.algebra.rational import Exact, Vector, dot, exact, three, to_float, to_floats, two_across
 from pas.arrays import Floats
 from pas.contacts.rims import PlaneChart
 from pas.errors import GeometryError
-from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part
+from pas.parametric.generatrix.boundary import Boundary, ContactBounds, part, source_of
 from pas.parametric.generatrix.paths import on_unit_interval
 from pas.parametric.generatrix.quadric import Quadric, plane_text, read_plane, to_array
 
@@ -94,6 +95,7 @@ def plane_section(
     surface, (normal, offset) = Quadric(quadric), read_plane(plane)
     surface.require_curved("quadric")
     conic = conic_section(surface, normal, offset)
+    needs, told = {"quadric": surface.text, "plane": as_text(plane) or str(Polynomial(plane))}, name
     f = surface.polynomial
     name = f"the section of {short(str(f))} = 0 by {plane_text(normal, offset)}" if name is None else name
     if branch not in (1, -1):
@@ -116,6 +118,7 @@ def plane_section(
         side=side,
         bounds=(lambda: ellipse_bounds(surface, conic)) if closed else None,
         surface=f,
+        source=source_of(needs, interval, branch=branch if branch != 1 else None, name=told),
     )
 
 

@@ -17,10 +17,10 @@ from typing import Any, Unpack
 import numpy as np
 
 from pas.algebra.brief import brief
-from pas.algebra.inputs import check_tolerance, shown, shown_point
+from pas.algebra.inputs import shown, shown_point
 from pas.algebra.lengths import lengths, spiral, unit
 from pas.algebra.polynomial import Polynomial
-from pas.algebra.rational import Exact, VectorLike, dot, positive, to_float, to_floats, vector
+from pas.algebra.rational import Exact, VectorLike, check_tolerance, dot, positive, to_float, to_floats, vector
 from pas.arrays import Floats, Integers
 from pas.errors import GeometryError, MeshError
 from pas.limits import WorkLimits, checkpoint, limited
@@ -65,7 +65,7 @@ class SphereBlend(Shape):
     @limited("meshing a blend", "a coarser tolerance or a smaller size")
     def mesh(
         self,
-        tolerance: float | None = None,
+        tolerance: Exact | None = None,
         *,
         size: tuple[int, int] | None = None,
         quality: Quality | str = Quality.BALANCED,
