@@ -115,7 +115,7 @@ class Remesher(Grading):
             inside, along = self.measured(mesh, before)
             worst = float(max(inside.max(), along.max()))
             if worst <= self.tolerance:
-                return self._finished(mesh, worst, mend)
+                return self.finished(mesh, worst, mend)
             if step % 4 == 0:
                 if step > 8 and not worst < 0.9 * last:
                     break
@@ -151,7 +151,7 @@ class Remesher(Grading):
             mesh.flip(self.tolerance, only_fresh=True)
         return old, inside, along
 
-    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh | Failure:
+    def finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh | Failure:
         if mend:
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines
@@ -176,7 +176,7 @@ class Remesher(Grading):
             corners = mesh.triangles[rows[np.argsort(sines[rows], kind="stable")]].ravel()
             slender = np.zeros(len(mesh.points), dtype=bool)
             slender[corners] = True
-            mesh.fresh &= slender  # others are looked at again where a neighbour has moved
+            mesh.fresh[:] &= slender  # others are looked at again where a neighbour has moved
             vertices, places = mesh.better(good, corners[free[corners]])
             if not len(vertices):
                 break

@@ -147,7 +147,7 @@ def outcome(mutant: Mutant, base: Path, seconds: float) -> str:
     try:
         shutil.copytree(base, tree, dirs_exist_ok=True)
         (tree / mutant.file).write_text(mutant.mutated(tree), encoding="utf-8")
-        if mutant.file.endswith(".c"):
+        if mutant.file.endswith((".c", ".h")):
             compile_library(sorted((tree / "pas" / "kernels").glob("*.c")), tree / "pas" / "kernels" / "_library.so")
         status, printed = pytest_status(tree, mutant.tests, seconds)
     finally:
