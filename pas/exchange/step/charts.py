@@ -177,8 +177,8 @@ class Atlas:
         for place in np.unique(first[near]).tolist():
             rows, along = np.flatnonzero(near & (first == place)), others[place : place + 1] if place >= 0 else []
             moved = CommonZeros((sheet, *along, plane)).placed(self.points[rows])
-            # along a plane that meets this one at a small angle that may be as far as edges are long
-            short = np.linalg.norm(moved - self.points[rows], axis=1) < beside * shortest[rows]
+            # along a plane at a small angle to this one that may be far: no edge gets shorter than half
+            short = np.linalg.norm(moved - self.points[rows], axis=1) < shortest[rows] / 4
             self.points[rows[short]] = moved[short]
 
     def _placed(self, added: Floats, edges: Integers, charts: Integers, plane: Wall) -> Floats:
