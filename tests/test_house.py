@@ -16,7 +16,7 @@ from conftest import ROOT, nodes, parsed
 PACKAGE = ROOT / "pas"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
-MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 67_009, 345, 2_880, 479
+MOST_LINES, MOST_FILES, MOST_C_LINES, MOST_CONSTANTS = 67_010, 345, 2_880, 479
 """Balls that roll along edges, verdicts that fillets are given with, and sections of faces by planes apart from seams
 brought files and 300 lines, ways of fits that end where they gain little 18, and nodes of networks that are apart by
 their surfaces, with lists of what is not proved, a file and 200; struts of rings whose angles are not small, and
