@@ -105,7 +105,7 @@ class _Reports:
 
 @dataclass
 class _Limit:
-    """The state inside a `limit`: `seconds` is what the user set who set the deadline, `task` the last one reported."""
+    """The state inside a `limit`: `seconds` is the limit that set the deadline, `task` the one reported last."""
 
     seconds: float | None
     deadline: float

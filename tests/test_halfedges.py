@@ -81,7 +81,7 @@ def test_splits_keep_the_mesh(make):
     halves = edges_of(mesh, 10_000)  # all edges, whose triangles are cut again and again
     middles = mesh.middles(np.empty(0, dtype=np.intp), halves)
     open_ = (mesh.twins[halves] < 0).sum()
-    mesh.split(halves, middles, middles)
+    mesh.split(halves)
     check(mesh)
     assert len(mesh.points) == size + len(halves)
     assert len(mesh.labels) == before + 2 * len(halves) - open_ == 4 * before

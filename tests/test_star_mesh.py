@@ -120,19 +120,6 @@ def test_what_is_proved_is_meshed_however_sharp_its_ridges(no_lattice, struts):
         surface.mesh(tolerance, max_triangles=1000)
 
 
-def test_about_ridges_angles_are_good(no_lattice):
-    """Half of the triangles had angles below 5 degrees where they were only bisected."""
-    given = (((0, 1, 0), "1/2", "3/2"), ((-2, 3, 0), "3/5", 1))
-    surface = pas.blend([pas.Cone(axis=a, radius=r, slope="1/8", clip=c) for a, r, c in given], 1).surface
-    for tolerance in (1.5e-2, 5e-3, 3e-3):  # at 1e-2 last digits of the surface decide whether triangles are halved
-        mesh = surface.mesh(tolerance)
-        check(surface, mesh, tolerance)
-        assert "the topology of the surface: proved" in str(mesh.certificate)
-        assert np.percentile(mesh.smallest_angles, 2) > 5
-        assert np.percentile(mesh.smallest_angles, 10) > 20
-    assert mesh.certificate.distance < 2 * tolerance  # of the finest
-
-
 @pytest.mark.parametrize("radii", [EQUAL, UNEQUAL, THIN])
 def test_bisection_shows_what_the_remesher_does(radii):
     surface = corner(radii)

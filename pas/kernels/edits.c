@@ -16,11 +16,14 @@ static inline void pair(Mesh *m, whole g, whole h)
     if (h >= 0) m->twins[h] = g;
 }
 
-/* A wedge of a new vertex, with a normal, between two others; the mesh has room for it. */
-static whole new_wedge(Mesh *m, whole vertex, whole label, whole i, whole j, const double *normal)
+/* A wedge of a new vertex between two others; the mesh has room for it. */
+static whole new_wedge(Mesh *m, whole vertex, whole label, whole i, whole j)
 {
     const whole w = m->wedges++;
-    memcpy(m->normals + 3 * w, normal, 3 * sizeof(double));
+    double sum[3];
+    for (int x = 0; x < 3; x++) sum[x] = m->normals[3 * i + x] + m->normals[3 * j + x];
+    const double length = sqrt(larger(dot(sum, sum), 1e-300));
+    for (int x = 0; x < 3; x++) m->normals[3 * w + x] = sum[x] / length;
     m->bends[w] = (m->bends[i] + m->bends[j]) / 2;
     m->vertex_of[w] = vertex;
     m->face_of[w] = label;
@@ -47,50 +50,34 @@ static whole halved(Mesh *m, whole h, whole v, whole w)
     return fresh;
 }
 
-/* Whether a new vertex with its wedge, which cut the triangle of half edge h in two, leave them no more turned than it. */
-static int may_halve(const Mesh *m, whole h, whole v, whole w, double turned)
+static void split(Mesh *m, whole h)
 {
-    const whole h1 = next(h), h2 = previous(h), c = m->corners[h2], wc = m->wedge_of[h2];
-    const double least = smaller(upright_at(m, h / 3), turned);
-    return upright(m, m->corners[h], v, c, m->wedge_of[h], w, wc) >= least &&
-           upright(m, v, m->corners[h1], c, w, m->wedge_of[h1], wc) >= least;
-}
-
-/* Split half edge h at a place with a normal, if that turns no triangle; whether it does not. */
-static int split(Mesh *m, whole h, const double *place, const double *normal, double turned)
-{
-    const whole g = m->twins[h], a = m->corners[h], b = end_of(m, h), v = m->vertices, w = m->wedges;
-    memcpy(m->points + 3 * v, place, 3 * sizeof(double));
-    memcpy(m->normals + 3 * w, normal, 3 * sizeof(double));
-    if (!may_halve(m, h, v, w, turned) || (g >= 0 && !may_halve(m, g, v, w, turned))) return 0;
+    const whole g = m->twins[h], a = m->corners[h], b = end_of(m, h), v = m->vertices++;
     const int curve = on_curve(m, h);
-    m->vertices++;
+    for (int x = 0; x < 3; x++) m->points[3 * v + x] = (m->points[3 * a + x] + m->points[3 * b + x]) / 2;
     m->sizes[v] = (m->sizes[a] + m->sizes[b]) / 2;
     m->caps[v] = smaller(m->caps[a], m->caps[b]);
     m->kinds[v] = curve ? ON_CURVE : INSIDE;
     m->marks[v] = 0;
     m->fresh[v] = 1;
-    new_wedge(m, v, m->label_of[h / 3], m->wedge_of[h], m->wedge_of[next(h)], normal);
+    const whole w = new_wedge(m, v, m->label_of[h / 3], m->wedge_of[h], m->wedge_of[next(h)]);
     const whole after = halved(m, h, v, w);
     m->outgoing[v] = after;
     m->twins[after] = g;
-    if (g < 0) return 1;
-    const whole other = curve ? new_wedge(m, v, m->label_of[g / 3], m->wedge_of[g], m->wedge_of[next(g)], normal) : w;
+    if (g < 0) return;
+    const whole other = curve ? new_wedge(m, v, m->label_of[g / 3], m->wedge_of[g], m->wedge_of[next(g)]) : w;
     pair(m, h, halved(m, g, v, other));
     pair(m, after, g);
-    return 1;
 }
 
-/* Split half edges, given with their ends (count, 2), one after the other at places (count, 3) with normals there, but
-   those that turn triangles; which are `done` (count).  The mesh has room. */
-int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends, const double *places, const double *normals,
-              double turned, char *done)
+/* Split half edges one after the other, given with their ends (count, 2); the mesh has room. */
+int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends)
 {
     for (whole i = 0; i < count; i++) {
         const whole a = ends[2 * i], b = ends[2 * i + 1];
         whole h = halves[i]; /* another one, where its triangle was cut */
         if (m->corners[h] != a || end_of(m, h) != b) h = between(m, a, b);
-        done[i] = h >= 0 && split(m, h, places + 3 * i, normals + 3 * i, turned);
+        if (h >= 0) split(m, h);
     }
     return 0;
 }

@@ -18,7 +18,6 @@ enum { BENT, RULED, PLANE };            /* kinds of faces, by label: ruled ones 
 struct Mesh {
     whole vertices, triangles, wedges, stamp;
     double fine, coarse;                /* sags allowed: beside ruled faces, and of curves of others, which are cut later */
-    whole seen;                         /* whether triangles that are not seen from 0 count as turned */
     whole plain;                        /* whether lengths are compared with `sizes` alone, whatever the faces */
     double *points, *sizes, *caps;      /* of vertices: places (3), how long edges should be, and may be at most */
     double *normals, *bends;            /* of wedges: unit normals (3), and the larger curvatures */
@@ -73,7 +72,6 @@ static inline double upright(const Mesh *m, whole a, whole b, whole c, whole i, 
 {
     double n[3], sum[3];
     across(m, a, b, c, n);
-    if (m->seen && !(dot(n, m->points + 3 * a) > 0)) return -1;
     for (int x = 0; x < 3; x++) sum[x] = m->normals[3 * i + x] + m->normals[3 * j + x] + m->normals[3 * k + x];
     return dot(n, sum) / sqrt(larger(dot(n, n) * dot(sum, sum), 1e-300));
 }

@@ -18,8 +18,7 @@ int pas_mesh_cut(const Mesh *m, whole q, const whole *base, double *points, whol
                  whole *labels);
 
 /* edits.c */
-int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends, const double *places, const double *normals,
-              double turned, char *done);
+int pas_mesh_split(Mesh *m, whole count, const whole *halves, const whole *ends);
 int pas_mesh_flip(Mesh *m, double turned, double limit, whole only_fresh, whole passes);
 int pas_mesh_collapse(Mesh *m, whole count, const whole *halves, const double *limits, whole *done);
 

@@ -239,7 +239,7 @@ int pas_mesh_move(Mesh *m, whole count, const whole *vertices, const double *pla
         memcpy(place, places + 3 * i, sizeof(here));
         memcpy(normal, normals + 3 * i, sizeof(old));
         lacking(m, v, normal, aim, &least);
-        AROUND(m, v, h) if (!(upright_at(m, h / 3) >= held)) least = -INFINITY;
+        AROUND(m, v, h) if (!(upright_at(m, h / 3) >= held)) least = -1;
         if (least < smaller(floor, aim)) {
             memcpy(place, here, sizeof(here));
             memcpy(normal, old, sizeof(old));

@@ -120,7 +120,7 @@ class FaceField(HasJets, Protocol):
         """The surfaces that the boundary may be made of, if they are apart, each as that of a set; itself if one."""
 
     def wall(self) -> ShellWall | None:
-        """The wall that this is; None if it is no shell."""
+        """The solid and thickness of which this is the wall; None if it is no shell."""
 
     def needed(self, within: float) -> FaceField:
         """The field without functions that others imply, up to where the set is thinner than that; itself if there are

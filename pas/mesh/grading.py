@@ -108,9 +108,9 @@ class Grading:
         self.ruled = bool(ground.faces.any())
         self.fine = settings.aim * tolerance
 
-    def begun(self, first: Labelled, seen: bool = False) -> HalfEdges:
+    def begun(self, first: Labelled) -> HalfEdges:
         """The half edges of a first mesh, with what is known of the surface at its vertices."""
-        mesh = HalfEdges(first, self.ground.faces, seen)
+        mesh = HalfEdges(first, self.ground.faces)
         self._evaluate(mesh, np.arange(len(mesh.vertex_of)))
         return mesh
 
@@ -230,10 +230,11 @@ class Grading:
             good &= 2 * norms(places - middles) < lengths
             halves, places, normals = halves[good], places[good], normals[good]
             bends = None if bends is None else bends[good]
-        done = mesh.split(halves, places, normals, TURNED if mesh.seen else -2.0)
+        mesh.split(halves)
+        mesh.points[size:] = places
         wedges = np.flatnonzero(mesh.vertex_of >= size)
         known = np.diff(mesh.vertex_of[wedges], prepend=-1) > 0  # the first of a vertex has the half edge's label
-        self._store(mesh, wedges[known], normals[done], None if bends is None else bends[done])
+        self._store(mesh, wedges[known], normals, bends)
         self._evaluate(mesh, wedges[~known])
 
     def _evaluate(self, mesh: HalfEdges, wedges: Integers) -> None:

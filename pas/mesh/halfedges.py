@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from pas.arrays import AnyArray, Bools, Floats, Integers
 from pas.kernels.library import address_of, compiled
-from pas.mesh.labelled import NONE, Labelled
+from pas.mesh.labelled import Labelled
 from pas.mesh.rows import norms
 from pas.mesh.topology import numbered
 
@@ -57,9 +57,7 @@ class _Array:
 
 
 class HalfEdges:
-    """The mesh; `faces` are the kinds of its labels, 0 for bent ones, 1 for ruled ones and 2 for planes.
-
-    If triangles are `seen` from 0, those that are no more count as turned away from the normals."""
+    """The mesh; `faces` are the kinds of its labels, 0 for bent ones, 1 for ruled ones and 2 for planes."""
 
     points = _Array(np.float64, "vertices", 3)
     sizes = _Array(np.float64, "vertices")
@@ -77,12 +75,12 @@ class HalfEdges:
     kinds = _Array(np.int8, "vertices")
     fresh = _Array(np.bool_, "vertices")
 
-    def __init__(self, first: Labelled, faces: NDArray[np.int8], seen: bool = False) -> None:
+    def __init__(self, first: Labelled, faces: NDArray[np.int8]) -> None:
         triangles, labels = first.triangles, first.labels
         if labels.min(initial=0) < 0 or labels.max(initial=-1) >= len(faces):
             raise ValueError("labels must be numbers of faces")
         self.faces = np.ascontiguousarray(faces, dtype=np.int8)
-        self._struct, self.seen = _Struct(seen=seen), seen
+        self._struct = _Struct()
         self.arrays: dict[str, AnyArray] = {}
         twins = first.topology.twins
         if twins.min(initial=0) < -1:
@@ -212,14 +210,11 @@ class HalfEdges:
     def plain(self, value: bool) -> None:
         self._struct.plain = value
 
-    def split(self, halves: Integers, places: Floats, normals: Floats, turned: float = -2.0) -> Bools:
-        """Split half edges (K,) in this order, each edge given once, at places (K, 3) with normals; new vertices are
-        last.  But none by which a triangle's cosine with its normals falls below `turned`; which are split (K,)."""
-        done = np.empty(len(halves), dtype=bool)
+    def split(self, halves: Integers) -> None:
+        """Split half edges (K,) in this order, each edge given once; the new vertices are the last."""
         ends = np.stack([self.corners[halves], self.corners[following(halves)]], axis=1)
         self.reserve(len(halves), 2 * len(halves), 2 * len(halves))
-        self._call("pas_mesh_split", len(halves), halves, ends, places, normals, turned, done)
-        return done
+        self._call("pas_mesh_split", len(halves), halves, ends)
 
     def flip(self, limit: float = np.inf, only_fresh: bool = False) -> None:
         """Flip edges, of all or at fresh vertices, towards Delaunay's criterion, on ruled faces towards the face."""
@@ -303,8 +298,7 @@ class HalfEdges:
 def halved(mesh: Labelled, rows: Integers) -> Labelled:
     """A mesh with the edges of given rows of its table halved, the longest first; the new vertices are the last."""
     halves = HalfEdges(mesh, np.zeros(int(mesh.labels.max()) + 1, dtype=np.int8))
-    chosen = mesh.topology.halves[rows[np.argsort(-mesh.lengths[rows], kind="stable")]]
-    halves.split(chosen, middles := halves.middles(NONE, chosen), middles)
+    halves.split(mesh.topology.halves[rows[np.argsort(-mesh.lengths[rows], kind="stable")]])
     points, topology = halves.value.points, halves.value.topology
     return Labelled(points, replace(topology, pinned=mesh.topology.pinned))
 
@@ -319,7 +313,6 @@ class _Struct(ctypes.Structure):
         *((name, ctypes.c_ssize_t) for name in ("vertices", "triangles", "wedges", "stamp")),
         ("fine", ctypes.c_double),
         ("coarse", ctypes.c_double),
-        ("seen", ctypes.c_ssize_t),
         ("plain", ctypes.c_ssize_t),
         *((name, ctypes.c_void_p) for name in (*_ARRAYS, "faces")),
     ]

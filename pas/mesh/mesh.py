@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import trimesh
 
 
-def called(names: Iterable[str]) -> str:
+def joined_names(names: Iterable[str]) -> str:
     """The name of a mesh's face on which faces of some different names lie: "a", or "a + b"."""
     return " + ".join(names)
 
@@ -62,18 +62,19 @@ class Mesh(AffineShape["Mesh"], Shape):
     kind = "mesh"
 
     def __post_init__(self) -> None:
-        """Its arrays cannot be written to, so that nobody changes those of another: these may be one and the same."""
+        """Make all arrays read-only views, as several meshes may share one."""
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
-                set_fields(self, **{name: value.view()})
-                vars(self)[name].setflags(write=False)
-        if tuple(map(called, self.solid_faces)) != self.names:
+                view = value.view()
+                view.setflags(write=False)
+                set_fields(self, **{name: view})
+        if tuple(map(joined_names, self.solid_faces)) != self.names:
             set_fields(self, solid_faces=tuple((name,) for name in self.names))
 
     def __deepcopy__(self, memo: object) -> Self:
         """A mesh with arrays of its own, which can be written to."""
         own = object.__new__(type(self))
-        vars(own).update(deepcopy(self.__getstate__()))
+        set_fields(own, **deepcopy(self.__getstate__()))
         return own
 
     @cached_property

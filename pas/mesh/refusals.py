@@ -11,7 +11,7 @@ import numpy as np
 from pas.errors import MeshError
 from pas.mesh.field import FaceField
 from pas.mesh.labelled import Labelled
-from pas.mesh.mesh import Mesh, called
+from pas.mesh.mesh import Mesh, joined_names
 from pas.mesh.projection import pair_normals
 
 Made = TypeVar("Made")
@@ -44,7 +44,7 @@ class FaceMesh:
             field.world(mesh.points),
             mesh.triangles,
             numbers,
-            tuple(map(called, faces)),
+            tuple(map(joined_names, faces)),
             pair_normals(mesh, field)[mesh.topology.corner_pairs],
             deviation=self.deviation * field.scale,
             solid_faces=faces,

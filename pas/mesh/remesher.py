@@ -115,7 +115,7 @@ class Remesher(Grading):
             inside, along = self.measured(mesh, before)
             worst = float(max(inside.max(), along.max()))
             if worst <= self.tolerance:
-                return self.finished(mesh, worst, mend)
+                return self._finished(mesh, worst, mend)
             if step % 4 == 0:
                 if step > 8 and not worst < 0.9 * last:
                     break
@@ -151,7 +151,7 @@ class Remesher(Grading):
             mesh.flip(self.tolerance, only_fresh=True)
         return old, inside, along
 
-    def finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh | Failure:
+    def _finished(self, mesh: HalfEdges, worst: float, mend: bool) -> FaceMesh | Failure:
         if mend:
             worst = max(worst, self.mended(mesh))
         cosines = mesh.cosines

@@ -3,10 +3,10 @@ reflections.
 
 A kind is what the nodes have in common whose struts have the same vectors, radii and given clips; there are as many as
 a lattice has orientations of nodes.  Classes are those of kinds, by an exact canonical form: arms are numbered by their
-products with a frame of at most three independent ones, of all frames that for which what is written down is least;
-frames are made arm by arm, and only those go on of which that holds so far, since independent arms begin some frame.
-Products with three independent vectors determine a vector, and those of a frame the frame up to a rotation or
-reflection; so kinds have one form iff one is the other turned.
+inner products with a frame of at most three independent arms. The canonical frame is the one with the least table of
+products in lexicographic order, so frames grow arm by arm, and only those with the least row so far are continued.
+Inner products with three independent vectors determine a vector, and those within a frame the frame up to an isometry;
+so two kinds have one form if and only if an isometry takes one to the other.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class NodeKind:
             longer = [f for f in longer if fmpz_mat(size, size, [products[i][j] for i in f for j in f]).det()]
             rows = [row(frame[-1], frame[:-1]) for frame in longer]
             least = (*least, min(rows))
-            frames = [frame for frame, told in zip(longer, rows, strict=True) if told == least[-1]]
+            frames = [frame for frame, found in zip(longer, rows, strict=True) if found == least[-1]]
         orders = [tuple(sorted(arms, key=lambda i: row(i, frame))) for frame in frames]
         written = [tuple(row(i, frame) for i in order) for order, frame in zip(orders, frames, strict=True)]
         best = min(written)

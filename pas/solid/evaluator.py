@@ -19,7 +19,7 @@ from pas.algebra.rational import Vector, to_float
 from pas.algebra.scaling import Scaled
 from pas.arrays import Bools, Floats, Integers
 from pas.limits import checkpoint
-from pas.mesh.mesh import called
+from pas.mesh.mesh import joined_names
 from pas.solid.taylor import TaylorForms
 from pas.solid.tree import Atom, Columns, Function, ScalarField, Tree, atoms
 from pas.solid.truths import CompiledTree
@@ -36,7 +36,7 @@ class Column:
     @property
     def face(self) -> str:
         """The name of its face, "" for a wall."""
-        return called(self.names)
+        return joined_names(self.names)
 
 
 class TreeEvaluator(CompiledTree):

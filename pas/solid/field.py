@@ -20,7 +20,7 @@ from pas.contacts.rims import rim_of
 from pas.errors import GeometryError, MeshError
 from pas.mesh.diagnostics import touching
 from pas.mesh.field import FaceField, ShellWall, column_of, is_above, label_of, orientation
-from pas.mesh.mesh import called
+from pas.mesh.mesh import joined_names
 from pas.solid.bounds import bounding_box
 from pas.solid.evaluator import TreeEvaluator
 from pas.solid.functions import followed_by
@@ -226,7 +226,7 @@ class SolidField:
                 for k in np.flatnonzero(both & np.roll(both, -1) & (inwards != np.roll(inwards, -1)) & (a != b)):
                     labels = [label_of(c, bool(held.sum(axis=axis)[:, k].argmax())) for c, axis in ((a, 1), (b, 0))]
                     within = beside[[k]], np.full((1, 3), 2.0**-6)
-                    going, left = (called(self.faces_within(label, *within)) for label in labels)
+                    going, left = (joined_names(self.faces_within(label, *within)) for label in labels)
                     raise MeshError(
                         f"the solid has no mesh: near {shown_point(self.world(beside[k]))} what lies on the surface of "
                         f"{going!r} goes on beyond the curve in which that meets {left!r}, and leaves it without an "

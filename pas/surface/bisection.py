@@ -3,10 +3,7 @@
 New vertices are where the rays through the middles of edges meet the surface.  So all triangles are seen once from the
 centre, and become small in directions where something is too far (longest-edge bisection, Rivara 1984): that ends
 however sharply the surface bends, as about ridges that are sharper than the tolerance, where triangles that are
-smoothed and moved along gradients fold.  Then they are graded as others are, but each step only where it folds none and
-all stay seen, so that edges need not be as short as ridges are sharp; what is too far after that is halved again, along
-gradients as long as that folds none.  Where the last halves fold nevertheless, as on ridges that rays graze, what was
-bisected is the mesh.
+smoothed and moved along gradients fold.  There are more triangles of it, and worse ones, than of the remesher.
 
 Looked at on the result, not proved: that no triangle is folded, and how far their middles and those of their edges are
 from the surface: along the ray there, or to first order.  A ridge that none of these and no vertex is on is missed.
@@ -14,20 +11,15 @@ from the surface: along the ray there, or to first order.  A ridge that none of 
 
 from __future__ import annotations
 
-from contextlib import suppress
-from dataclasses import replace
-
 import numpy as np
 
 from pas.arrays import Bools, Floats, Integers
-from pas.errors import MeshError
 from pas.limits import checkpoint
 from pas.mesh.grading import Settings
-from pas.mesh.halfedges import TURNED, HalfEdges, VertexKind, following
+from pas.mesh.halfedges import HalfEdges, VertexKind, following
 from pas.mesh.labelled import NONE
 from pas.mesh.mesh import Mesh
 from pas.mesh.refusals import FaceMesh, too_many
-from pas.mesh.remesher import Remesher
 from pas.mesh.rows import cross, norms
 from pas.mesh.shading import unit_rows
 from pas.surface.graph import AROUND, delaunay, require_once
@@ -42,42 +34,23 @@ def bisected(field: RadialField, tolerance: float, settings: Settings) -> Mesh:
     where there would be too many triangles.
     """
     mesh = _begun(field)
-    off = _halved(field, mesh, tolerance, settings)
-    require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
-    remesher, plain = Remesher(field, tolerance, replace(settings, bent=np.inf)), mesh.value
-    with suppress(ArithmeticError, MeshError):
-        mesh = remesher.begun(plain, seen=True)
-        mesh.flip(remesher.fine)
-        remesher.graded(mesh, 1)
-        even = remesher.finished(mesh, _halved(field, mesh, tolerance, settings, ahead=False), mend=True)
-        return in_world(field, even, tolerance, settings)
-    return in_world(field, FaceMesh(plain, off), tolerance, settings)
-
-
-def _halved(field: RadialField, mesh: HalfEdges, tolerance: float, settings: Settings, ahead: bool = True) -> float:
-    """Halve edges until none is too far and no triangle folded; how far they are.
-
-    On the boundary `ahead`, too: while curves leave none of the triangles there."""
     while True:
         checkpoint(f"halving triangles seen from the centre ({len(mesh.labels)})")
         mesh.normals[:] = unit_rows(field.gradients(mesh.points))[mesh.vertex_of]
         inside, along = _measured(field, mesh)
         off = np.maximum(inside, along.reshape(-1, 3).max(axis=1))
         rim = mesh.boundary[0]
-        rim = rim[along[rim] > (np.minimum(tolerance, _room(mesh, rim)) if ahead else tolerance)]
+        rim = rim[along[rim] > np.minimum(tolerance, _room(mesh, rim))]
         halves = _chosen(mesh, rim, (off > tolerance) | (mesh.cosines < settings.folded))
+        if not len(halves):
+            require_once(field, mesh.points[mesh.kinds == VertexKind.INSIDE])
+            return in_world(field, FaceMesh(mesh.value, float(off.max())), tolerance, settings)
         if len(mesh.labels) + 2 * len(halves) > settings.most:
             raise too_many(field.scale, len(mesh.labels), settings.most, tolerance, float(off.max()))
-        if not len(halves):
-            return float(off.max())
-        middles, rims = mesh.middles(NONE, halves), mesh.rims_of(halves)
-        if mesh.seen:
-            places = field.placed(middles, NONE, rims, mesh.lengths(halves))
-            if mesh.split(halves, places, unit_rows(field.gradients(places)), TURNED).any():
-                continue
-        places = field.met(middles)
-        places[rims >= 0] = field.on_rims(middles[rims >= 0], rims[rims >= 0])
-        mesh.split(halves, places, places)
+        size, middles, rims = len(mesh.points), mesh.middles(NONE, halves), mesh.rims_of(halves)
+        mesh.split(halves)
+        mesh.points[size:] = field.met(middles)
+        mesh.points[size:][rims >= 0] = field.on_rims(middles[rims >= 0], rims[rims >= 0])
 
 
 def _begun(field: RadialField) -> HalfEdges:

@@ -78,15 +78,16 @@ def _parted(field: RadialField, mesh: Labelled) -> Labelled:
     of the edge may be on any side.
     """
     for _ in range(6):  # each halves the edges that are left
-        halves = HalfEdges(mesh, np.zeros(1, dtype=np.int8))
+        halves, size = HalfEdges(mesh, np.zeros(1, dtype=np.int8)), len(mesh.points)
         normals, corners, ends = field.gradients(mesh.points), halves.corners, halves.ends
         opposite = np.flatnonzero(dots(normals[corners], normals[ends]) < 0)
         opposite = opposite[halves.twins[opposite] > opposite]
         if not len(opposite):
             break
         units = unit_rows(mesh.points)
-        middles = unit_rows(units[corners[opposite]] + units[ends[opposite]])
-        halves.split(opposite, field.met(middles), middles)
+        middles = units[corners[opposite]] + units[ends[opposite]]
+        halves.split(opposite)
+        halves.points[size:] = field.met(unit_rows(middles))
         if not seen(halves.points, halves.triangles).all():
             break
         mesh = halves.value

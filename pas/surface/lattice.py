@@ -60,7 +60,7 @@ class Subdivision:
         self.keys, self.points = weights[cells], field.vertices[cells]
 
     def halve(self) -> None:
-        """Cut each tetrahedron into eighths."""
+        """Subdivide each tetrahedron into eight."""
         checkpoint(f"refining the lattice ({len(self.forms)} tetrahedra)")
         self.keys, self.points, self.forms = _cut(self.field.degree, self.keys, self.points, self.forms)
         self.parts *= 2

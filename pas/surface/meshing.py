@@ -1,7 +1,7 @@
 """Meshes of piecewise surfaces.
 
-Graphs over the directions from the centre are remeshed in directions, from bisected triangles where few fold; what is
-no graph is meshed from a lattice in the cells.
+Graphs over the directions from the centre are remeshed in directions, bisected where triangles fold; what is no graph
+is meshed from a lattice in the cells.
 """
 
 from __future__ import annotations

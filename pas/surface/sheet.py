@@ -156,9 +156,6 @@ class LocalSurface(ABC):
         if len(on):
             to[on] = self.on_rims(to[on], mesh.rims_of(mesh.outgoing[on]))
         points, jets = self.nearer(to, mesh.kinds != VertexKind.INSIDE, 2)
-        if mesh.seen:  # triangles seen from their sides would be turned by a last step onto it
-            points = self.closed(points, jets[:, :4])[0]
-            jets = self.derivatives(points, 2)
         gradients, bends = bent(jets)
         return points, unit_rows(gradients).take(mesh.vertex_of, axis=0), bends[mesh.vertex_of]
 
